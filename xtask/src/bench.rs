@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::{Result, bail};
 
 use crate::pipeline::finish;
-use crate::tool::{release_binary, results, root};
+use crate::tool::{release_binary, root};
 use crate::verify::deck_of;
 use crate::{browser, live};
 
@@ -91,10 +91,8 @@ fn fe(args: &BenchArgs) -> Result<()> {
         (None, Some(scene)) => deck_of(scene)?,
         (None, None) => default_deck(),
     };
-    let metrics = results().join("metrics.json");
     let mut command = Command::new(release_binary("hapdef-verify")?);
     command.arg("bench").arg("--deck").arg(deck);
-    command.arg("--metrics").arg(metrics);
     command.args(["--seed", &args.seed.to_string()]).args(&args.rest);
     finish(&mut command)
 }

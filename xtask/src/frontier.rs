@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 
 use crate::pipeline::{PipelineArgs, common, finish};
-use crate::tool::{release_binary, root};
+use crate::tool::{add_document, release_binary, root};
 
 /// The scene of the whole chain: the bundled limb with its gauges placed, and a rig whose mesh is not the
 /// limb's, so that none is measured with its own discretisation error.
@@ -65,11 +65,7 @@ pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
     if let Some(minutes) = args.minutes {
         command.args(["--minutes", &minutes.to_string()]);
     }
-    for (flag, on) in [("--write", args.write), ("--check", args.check)] {
-        if on {
-            command.arg(flag).arg(root().join(LIMITS));
-        }
-    }
+    add_document(&mut command, LIMITS, args.write, args.check);
     finish(&mut command)
 }
 

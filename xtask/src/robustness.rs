@@ -1,16 +1,16 @@
 //! Every layer at its extremes.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 
 use crate::pipeline::finish;
-use crate::tool::{day, release_binary, release_example, results, root};
+use crate::tool::{add_document, day, release_binary, release_example, results, root};
 
 /// Arguments of `robustness`.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub(crate) struct RobustnessArgs {
     /// What is tried; everything if nothing is said.
     #[arg(value_enum)]
@@ -89,7 +89,7 @@ pub(crate) fn run(args: &RobustnessArgs) -> Result<()> {
     let Some(table) = TABLES.iter().find(|table| table.part == part) else {
         return finish(&mut scenes(args.minutes, args.seed)?);
     };
-    let mut command = table.with_files(args)?;
+    let mut command = table.command(args)?;
     if args.json {
         command.arg("--json");
     }
@@ -155,32 +155,22 @@ fn all(args: &RobustnessArgs) -> Result<()> {
         if page.exists() {
             std::fs::remove_file(&page).with_context(|| page.display().to_string())?;
         }
-        if crate::tool::run(&mut table.with_files(args)?).is_err() {
+        if crate::tool::run(&mut table.command(args)?).is_err() {
             failed.push(table.document());
         }
     }
     println!("── all");
-    joined()?;
+    let mut joined = Command::new(release_binary("hapdef-repro")?);
+    crate::tool::run(joined.arg("robustness-all"))?;
     if !failed.is_empty() {
         bail!("rows failed in {}", failed.join(", "));
     }
     Ok(())
 }
 
-/// All rows as one table.
-fn joined() -> Result<()> {
-    let mut command = Command::new(release_binary("hapdef-repro")?);
-    command.arg("robustness-all");
-    crate::tool::run(command.arg("--metrics").arg(results().join("metrics.json")))
-}
-
 /// All tables, compared with docs/.
 pub(crate) fn check() -> Result<()> {
-    for table in &TABLES {
-        let mut command = table.command(None)?;
-        crate::tool::run(command.arg("--check").arg(root().join(table.document())))?;
-    }
-    joined()
+    all(&RobustnessArgs { check: true, ..RobustnessArgs::default() })
 }
 
 impl Table {
@@ -188,27 +178,17 @@ impl Table {
         format!("docs/{}.md", self.name)
     }
 
-    fn with_files(&self, args: &RobustnessArgs) -> Result<Command> {
-        let mut command = self.command(args.scene.as_deref())?;
-        if let Some(seed) = args.seed {
-            command.args([self.seed, &seed.to_string()]);
-        }
-        for (flag, on) in [("--write", args.write), ("--check", args.check)] {
-            if on {
-                command.arg(flag).arg(root().join(self.document()));
-            }
-        }
-        Ok(command)
-    }
-
-    fn command(&self, scene: Option<&Path>) -> Result<Command> {
+    fn command(&self, args: &RobustnessArgs) -> Result<Command> {
         let mut command = Command::new(release_binary(self.program)?);
         command.args(self.words);
         if self.part == Part::Inverse {
             let bundled = root().join("fixtures/shin/placed.json");
-            command.arg(scene.unwrap_or(&bundled));
+            command.arg(args.scene.as_ref().unwrap_or(&bundled));
         }
-        command.arg("--metrics").arg(results().join("metrics.json"));
+        if let Some(seed) = args.seed {
+            command.args([self.seed, &seed.to_string()]);
+        }
+        add_document(&mut command, &self.document(), args.write, args.check);
         Ok(command)
     }
 }

@@ -69,6 +69,15 @@ pub(crate) fn release_example(name: &str) -> Result<PathBuf> {
     Ok(target_dir()?.join("release/examples").join(name))
 }
 
+/// Has a program write a file of the workspace, or fail where the file says something else.
+pub(crate) fn add_document(command: &mut Command, file: &str, write: bool, check: bool) {
+    for (flag, on) in [("--write", write), ("--check", check)] {
+        if on {
+            command.arg(flag).arg(root().join(file));
+        }
+    }
+}
+
 /// Where hapdef's programs leave results and metrics, wherever cargo's target folder is and whatever the
 /// working directory: `HAPDEF_OUT`, or `target/hapdef` in the workspace.
 pub(crate) fn results() -> PathBuf {

@@ -6,7 +6,9 @@ use std::process::Command;
 use anyhow::{Context, Result};
 
 use crate::pipeline::finish;
-use crate::tool::{release_binary, results, root};
+use crate::tool::{add_document, release_binary, root};
+
+const DOCUMENT: &str = "docs/verification.md";
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -51,17 +53,11 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<()> {
         }
     } else {
         command.arg("verify");
-        let document = root().join("docs/verification.md");
-        for (flag, on) in [("--write", args.write), ("--check", args.check)] {
-            if on {
-                command.arg(flag).arg(&document);
-            }
-        }
+        add_document(&mut command, DOCUMENT, args.write, args.check);
         if args.json {
             command.arg("--json");
         }
     }
-    command.arg("--metrics").arg(results().join("metrics.json"));
     command.args(["--seed", &args.seed.to_string()]).args(&args.rest);
     finish(&mut command)
 }
@@ -69,9 +65,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<()> {
 /// The table, compared with docs/verification.md.
 pub(crate) fn check() -> Result<()> {
     let mut command = Command::new(release_binary("hapdef-verify")?);
-    command.args(["verify", "--check"]).arg(root().join("docs/verification.md"));
-    command.arg("--metrics").arg(results().join("metrics.json"));
-    crate::tool::run(&mut command)
+    crate::tool::run(command.args(["verify", "--check"]).arg(root().join(DOCUMENT)))
 }
 
 /// The solid deck that a scene names.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hapdef_report::{ReportError, ReportTable, TextCell, TextTable};
+use hapdef_report::{ReportError, ReportTable, TextTable, text_table};
 use serde::Serialize;
 
 /// A column: its header, and what stands in it of a row.
@@ -23,23 +23,8 @@ impl<R> Column<R> {
 /// One row of cells for each of `rows`.
 #[must_use]
 pub fn table<'a, R: 'a>(columns: &[Column<R>], rows: impl IntoIterator<Item = &'a R>) -> TextTable {
-    let cells = |row: &R| columns.iter().map(|c| TextCell::plain((c.cell)(row))).collect();
-    TextTable {
-        header: columns.iter().map(|c| c.header.to_owned()).collect(),
-        rows: rows.into_iter().map(cells).collect(),
-    }
-}
-
-/// Rows of plain texts under a header.
-#[must_use]
-pub fn text_table<const N: usize>(
-    header: [&str; N],
-    rows: impl IntoIterator<Item = [String; N]>,
-) -> TextTable {
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: rows.into_iter().map(|cells| cells.map(TextCell::plain).to_vec()).collect(),
-    }
+    let cells = |row| columns.iter().map(move |c| (c.cell)(row));
+    text_table(columns.iter().map(|c| c.header), rows.into_iter().map(cells))
 }
 
 /// A table of a page: its heading, what is to be known of it, for people and for machines.

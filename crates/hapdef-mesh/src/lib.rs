@@ -42,8 +42,9 @@ pub use atomic::atomic_write;
 #[cfg(feature = "wrap")]
 pub use carve::{Pocket, trimmed, with_pockets};
 pub use deck::{
-    DeckFault, DeckMaterial, DeckParams, DeckReading, FaceTraction, SolidDeck, deck_includes,
-    read_deck, read_deck_with, write_inp,
+    DeckFault, DeckMaterial, DeckParams, DeckReading, FaceTraction, LabelledDisplacements,
+    SolidDeck, deck_includes, largest_difference, read_deck, read_deck_with, read_displacements,
+    write_inp,
 };
 pub use error::MeshError;
 pub use ids::{FeNodeId, GaugeId, SurfaceNodeId, VirtualGaugeId};

@@ -5,7 +5,6 @@
 //! - [`Page`]: one HTML file without anything from outside; [`LimbView`] is a limb on it, from four sides
 //!   and to be turned.
 //! - [`Report`] and [`write_report`]: the same results as page, Markdown and JSON.
-//! - [`robustness`]: tables of methods at their extremes.
 //! - [`Origin`]: by what and from what results were made, for pages that are no report.
 //! - [`MetricLog`]: metrics as `METRIC:name:value:unit` lines and in a JSON file.
 //!
@@ -21,13 +20,12 @@ mod origin;
 mod page;
 mod pictures;
 mod report;
-pub mod robustness;
 mod text;
 
 pub use argument::{ArgumentError, check_len};
 pub use error::ReportError;
 pub use headline::Headline;
-pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord};
+pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord, peak_rss_gib};
 pub use origin::Origin;
 pub use page::{Block, LimbMap, LimbView, Page};
 pub use pictures::{
@@ -39,4 +37,4 @@ pub use report::{
     Figure, FigureContent, NamedText, Report, ReportTable, SkippedStage, StageTime, Summary,
     seconds_text, write_report, write_text,
 };
-pub use text::{TextCell, TextTable, cell_text, escape_html};
+pub use text::{TextCell, TextTable, cell_text, escape_html, text_table};

@@ -196,6 +196,15 @@ fn machine() -> String {
     format!("{name}, {cores} cores, {}", std::env::consts::OS)
 }
 
+/// Most memory the process has held so far, GiB; none where the system does not tell.
+#[must_use]
+pub fn peak_rss_gib() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(kib / f64::from(1 << 20))
+}
+
 fn output(program: &str, words: &[&str]) -> Option<String> {
     let output = Command::new(program).args(words).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;

@@ -16,7 +16,7 @@ pub use crate::figure::{Figure, FigureContent};
 use crate::metrics::{MetricContext, MetricOutcome, MetricRecord};
 pub use crate::named_text::NamedText;
 use crate::page::{Block, LimbView, Page};
-use crate::text::{TextCell, TextTable};
+use crate::text::{TextTable, text_table};
 
 /// A stage that ran.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -237,19 +237,12 @@ fn record_tables(report: &Report) -> Vec<(&'static str, TextTable)> {
     });
     let hashes = report.hashes.iter().map(|h| vec![h.name.clone(), h.text.clone()]);
     let tables = [
-        ("Stages", table(&["stage", "seconds", "from"], stages)),
-        ("Skipped", table(&["stage", "why"], skipped)),
-        ("Metrics", table(&["name", "value", "unit or reason"], metrics)),
-        ("Hashes", table(&["what", "hash"], hashes)),
+        ("Stages", text_table(["stage", "seconds", "from"], stages)),
+        ("Skipped", text_table(["stage", "why"], skipped)),
+        ("Metrics", text_table(["name", "value", "unit or reason"], metrics)),
+        ("Hashes", text_table(["what", "hash"], hashes)),
     ];
     tables.into_iter().filter(|(_, table)| !table.rows.is_empty()).collect()
-}
-
-fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> TextTable {
-    TextTable {
-        header: header.iter().map(|&h| h.to_owned()).collect(),
-        rows: rows.map(|row| row.into_iter().map(TextCell::plain).collect()).collect(),
-    }
 }
 
 #[cfg(test)]

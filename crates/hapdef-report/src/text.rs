@@ -31,6 +31,21 @@ pub struct TextTable {
     pub rows: Vec<Vec<TextCell>>,
 }
 
+/// Rows of plain texts under a header.
+#[must_use]
+pub fn text_table(
+    header: impl IntoIterator<Item = impl Into<String>>,
+    rows: impl IntoIterator<Item = impl IntoIterator<Item = String>>,
+) -> TextTable {
+    TextTable {
+        header: header.into_iter().map(Into::into).collect(),
+        rows: rows
+            .into_iter()
+            .map(|cells| cells.into_iter().map(TextCell::plain).collect())
+            .collect(),
+    }
+}
+
 impl TextTable {
     /// As a Markdown table; strong cells are bold.
     #[must_use]

@@ -61,6 +61,7 @@ mod error;
 pub use elements::{
     ElementMatrix, InvertedPoint, IsotropicMaterial, MassProperties, MaterialRegion,
     element_mass_kg, nodal_stress, patch_stress, space_gradients, stiffness, strain, stress,
+    tet_rule,
 };
 pub use error::SimError;
 pub use factor::Ordering;

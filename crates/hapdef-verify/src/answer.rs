@@ -69,7 +69,6 @@ pub struct Measured {
 
 impl Element {
     /// In words.
-    #[must_use]
     pub fn word(self) -> &'static str {
         match self {
             Self::Tet10 => "TET10",
@@ -99,13 +98,11 @@ impl Element {
 
 impl Target {
     /// A relative error on the finest mesh, and no order.
-    #[must_use]
     pub fn within(rel_err: f64) -> Self {
         Self { rel_err, order: None }
     }
 
     /// The same with an observed order of at least `order`.
-    #[must_use]
     pub fn and_order(self, order: f64) -> Self {
         Self { order: Some(order), ..self }
     }
@@ -113,7 +110,6 @@ impl Target {
 
 impl Reference {
     /// The reference value; none where there is none.
-    #[must_use]
     pub fn value(self) -> Option<f64> {
         match self {
             Self::Exact(r) | Self::Published(r) => Some(r),
@@ -123,7 +119,6 @@ impl Reference {
     }
 
     /// The relative error of `value`; none where nothing is compared.
-    #[must_use]
     pub fn rel_err(self, value: f64) -> Option<f64> {
         match self {
             Self::Exact(r) | Self::Published(r) => Some((value - r).abs() / r.abs()),

@@ -61,7 +61,6 @@ impl Default for Case {
 
 impl Case {
     /// Dotted and unique, such as `solid.le10`.
-    #[must_use]
     pub fn id(&self) -> String {
         format!("{}.{}", self.element.family(), self.name)
     }

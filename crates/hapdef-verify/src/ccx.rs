@@ -3,16 +3,13 @@
 use std::process::Command;
 use std::time::Instant;
 
-use hapdef_mesh::{SolidDeck, write_inp};
+use hapdef_mesh::{LabelledDisplacements, SolidDeck, read_displacements, write_inp};
+use hapdef_report::ReportError;
 
 use crate::VerifyError;
-use crate::deck::{LabelledDisplacements, read_displacements};
 
 /// Wall seconds of one run of `ccx` on `deck`, and the displacements of the node set `EVERY` where the
 /// deck has it.
-///
-/// # Errors
-/// [`VerifyError::NotRun`] where there is no `ccx`, [`VerifyError::Setup`] where it fails.
 pub(crate) fn ccx(
     deck: &SolidDeck,
     n_threads: usize,
@@ -22,9 +19,9 @@ pub(crate) fn ccx(
     write_inp(&path, deck)?;
     if deck.node_sets.contains_key("EVERY") {
         // the deck asks for a binary field file; seven printed digits are easier to read
-        let text = std::fs::read_to_string(&path).map_err(VerifyError::io("reading", &path))?;
+        let text = std::fs::read_to_string(&path).map_err(ReportError::io("reading", &path))?;
         let text = text.replace("*NODE FILE\nU\n", "*NODE PRINT, NSET=EVERY\nU\n");
-        std::fs::write(&path, text).map_err(VerifyError::io("writing", &path))?;
+        std::fs::write(&path, text).map_err(ReportError::io("writing", &path))?;
     }
     let mut command = Command::new("ccx");
     command.current_dir(&folder).args(["-i", "deck"]);
@@ -43,9 +40,6 @@ pub(crate) fn ccx(
 }
 
 /// What a program prints.
-///
-/// # Errors
-/// [`VerifyError::NotRun`] where it is not installed or fails.
 pub(crate) fn output(command: &mut Command) -> Result<String, VerifyError> {
     let name = command.get_program().to_string_lossy().into_owned();
     let output = command.output().map_err(not_run(&name))?;

@@ -2,7 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::{Case, Reference, Report, Verdict, markdown};
+use crate::table::markdown;
+use crate::{Case, Reference, Report, Verdict};
 
 /// Values in the file have five digits; this is one unit in the last of the shortest.
 const VALUE_TOLERANCE: f64 = 1.1e-4;
@@ -13,7 +14,6 @@ const SMALL_ERROR: f64 = 1e-6;
 /// Where the committed text and the report disagree, one sentence each; none where they agree.
 ///
 /// Cases that were not run here are not compared. `all` are the cases the file should have.
-#[must_use]
 pub fn differences(report: &Report, committed: &str, all: &[Case]) -> Vec<String> {
     let written = sections(committed);
     let fresh = markdown(report);

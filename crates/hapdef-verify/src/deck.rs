@@ -1,9 +1,9 @@
 //! A deck's own load, solved, and the results another program printed for it.
 
-use std::io::Read;
 use std::path::Path;
 
-use hapdef_mesh::{SolidDeck, read_deck};
+use hapdef_mesh::{LabelledDisplacements, SolidDeck, read_deck};
+use hapdef_report::ReportError;
 use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad};
 use nalgebra::Vector3;
 
@@ -37,9 +37,6 @@ pub struct DeckResults {
     pub n_equations: usize,
 }
 
-/// Displacements by rising node label, m.
-pub type LabelledDisplacements = Vec<(u32, Vector3<f64>)>;
-
 /// ANSYS 18.2's printout of element stiffness and mass of the paper authors' skin deck, CalculiX
 /// 2.20's displacement and energy of the same deck.
 pub(crate) const SKIN: DeckMetrics = DeckMetrics {
@@ -67,14 +64,10 @@ const KNOWN: [(&str, DeckMetrics); 2] = [
 
 impl DeckResults {
     /// Solves the deck in `path`.
-    ///
-    /// # Errors
-    /// [`VerifyError::Mesh`] and [`VerifyError::Sim`] on an unusable deck, [`VerifyError::Setup`]
-    /// on one without material.
     pub fn of(path: &Path) -> Result<(SolidDeck, Self), VerifyError> {
         let deck = read_deck(path)?;
         let model = build(&deck, n_threads())?;
-        let (u, _) = model.solve(&own_load(&deck)?)?;
+        let (u, _) = model.solve(&NodalLoad::of_deck(&deck)?)?;
         let extremes = model.stiffness_extremes();
         let density = deck.material.and_then(|material| material.density_kg_m3);
         let results = Self {
@@ -94,11 +87,8 @@ impl DeckResults {
 
 impl DeckMetrics {
     /// What is known of the deck in `path`, by its content; nothing of a deck that was changed.
-    ///
-    /// # Errors
-    /// [`VerifyError::Io`].
     pub fn known(path: &Path) -> Result<Self, VerifyError> {
-        let bytes = std::fs::read(path).map_err(VerifyError::io("reading", path))?;
+        let bytes = std::fs::read(path).map_err(ReportError::io("reading", path))?;
         let hash = blake3::hash(&bytes).to_hex();
         let entry = KNOWN.iter().find(|(known, _)| *known == hash.as_str());
         Ok(entry.map_or_else(Self::default, |(_, metrics)| *metrics))
@@ -121,82 +111,15 @@ pub(crate) fn no_material(found: &str) -> VerifyError {
     VerifyError::setup("the deck", "an elastic material", found)
 }
 
-/// Point forces and tractions of the deck.
-pub(crate) fn own_load(deck: &SolidDeck) -> Result<NodalLoad, VerifyError> {
-    let forces = NodalLoad { forces_n: deck.nodal_forces.clone(), ..NodalLoad::default() };
-    Ok(forces.plus(&NodalLoad::traction(&deck.mesh, &deck.face_tractions)?))
-}
-
-/// The largest difference of displacements to `reference`, by rising node, over the nodes it names,
-/// over the largest displacement.
-///
-/// # Errors
-/// [`VerifyError::Setup`] if no node is shared.
+/// The largest difference of displacements to `reference` over the nodes it names, over the largest
+/// displacement.
 pub fn largest_difference(
-    found: &[(u32, Vector3<f64>)],
+    found: impl IntoIterator<Item = (u32, Vector3<f64>)>,
     reference: &[(u32, Vector3<f64>)],
 ) -> Result<f64, VerifyError> {
-    let (mut worst, mut largest): (Option<f64>, f64) = (None, 0.0);
-    for (label, u) in found {
-        largest = largest.max(u.norm());
-        if let Ok(place) = reference.binary_search_by_key(label, |entry| entry.0) {
-            let apart = (u - reference[place].1).norm();
-            worst = Some(worst.map_or(apart, |worst| worst.max(apart)));
-        }
-    }
-    let worst = worst.ok_or_else(|| {
+    let compared = hapdef_mesh::largest_difference(found, reference);
+    compared.map(|(_, share)| share).ok_or_else(|| {
         let expected = "rows `node vx vy vz` for nodes of the deck";
         VerifyError::setup("the reference displacements", expected, "none")
-    })?;
-    Ok(worst / largest)
-}
-
-/// Rows `node vx vy vz` of the first displacement block of a CalculiX `.dat`, plain or gzipped, by
-/// rising node, m.
-///
-/// # Errors
-/// [`VerifyError::Io`].
-pub fn read_displacements(path: &Path) -> Result<LabelledDisplacements, VerifyError> {
-    let io = VerifyError::io("reading", path);
-    let bytes = std::fs::read(path).map_err(&io)?;
-    let mut text = String::new();
-    if bytes.starts_with(&[0x1f, 0x8b]) {
-        let mut decoder = flate2::read::GzDecoder::new(bytes.as_slice());
-        decoder.read_to_string(&mut text).map_err(&io)?;
-    } else {
-        text = String::from_utf8_lossy(&bytes).into_owned();
-    }
-    Ok(displacement_rows(&text))
-}
-
-fn displacement_rows(text: &str) -> LabelledDisplacements {
-    let row = |line: &str| {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let [label, x, y, z] = words.as_slice() else {
-            return None;
-        };
-        let number = |word: &str| word.parse::<f64>().ok();
-        Some((label.parse().ok()?, Vector3::new(number(x)?, number(y)?, number(z)?)))
-    };
-    // a later block, such as forces, starts with a heading after rows have been read
-    let lines = text.lines().filter(|line| !line.trim().is_empty()).map(row);
-    let mut rows: LabelledDisplacements =
-        lines.skip_while(Option::is_none).map_while(|row| row).collect();
-    rows.sort_unstable_by_key(|entry| entry.0);
-    rows
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_the_first_block_is_read() {
-        let text = "\n S T E P 1\n\n displacements (vx,vy,vz) for set N and time 0.1E+01\n\n \
-            2  1.0E-03 0.0E+00 2.0E-03\n 1  0.0E+00 0.0E+00 5.0E-01\n\n forces (fx,fy,fz)\n\n 1 9 9 9\n";
-        let rows = displacement_rows(text);
-        assert_eq!(rows.len(), 2);
-        assert_eq!(rows[0], (1, Vector3::new(0.0, 0.0, 0.5)));
-        assert_eq!(rows[1], (2, Vector3::new(1e-3, 0.0, 2e-3)));
-    }
+    })
 }

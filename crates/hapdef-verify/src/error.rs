@@ -1,14 +1,10 @@
 //! What can go wrong in a verification run.
 
-use std::path::{Path, PathBuf};
-
 use hapdef_mesh::MeshError;
 use hapdef_sim::SimError;
 
 /// Why a case has no value, or a run could not be reported.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-#[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum VerifyError {
     #[error("not run: {reason}")]
     NotRun { reason: String },
@@ -20,8 +16,6 @@ pub enum VerifyError {
     Report(#[from] hapdef_report::ReportError),
     #[error("{what}: expected {expected}, found {found}")]
     Setup { what: &'static str, expected: String, found: String },
-    #[error("{action} {}: {cause}", path.display())]
-    Io { action: &'static str, path: PathBuf, cause: std::io::Error },
 }
 
 impl VerifyError {
@@ -37,10 +31,5 @@ impl VerifyError {
         found: impl Into<String>,
     ) -> Self {
         Self::Setup { what, expected: expected.into(), found: found.into() }
-    }
-
-    /// The system refused `action` on `path`.
-    pub(crate) fn io(action: &'static str, path: &Path) -> impl Fn(std::io::Error) -> Self {
-        move |cause| Self::Io { action, path: path.to_owned(), cause }
     }
 }

@@ -5,9 +5,6 @@ use std::path::{Path, PathBuf};
 use crate::VerifyError;
 
 /// The file `path` in the shared inputs: under `HAPDEF_SHARED`, or `shared` beside the workspace.
-///
-/// # Errors
-/// [`VerifyError::NotRun`] where it is absent.
 pub(crate) fn shared(path: &str) -> Result<PathBuf, VerifyError> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
     let root = std::env::var_os("HAPDEF_SHARED").map_or(beside, PathBuf::from);

@@ -4,7 +4,7 @@ use hapdef_sim::{IsotropicMaterial, NodalLoad};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::meshes::{Blocks, Body, Pattern, Place, grid};
-use crate::problem::{Held, Problem, Solution, push};
+use crate::problem::{Held, Problem, Solution, push, same};
 use crate::{Element, Measured, VerifyError};
 
 /// Mesh, material, supports, load and probe.
@@ -22,7 +22,17 @@ pub(crate) struct Model {
 pub(crate) type Map = fn(Point3<f64>) -> Point3<f64>;
 
 /// Nodes, or faces all of whose nodes are taken, by position.
-pub(crate) type On = fn(&Point3<f64>) -> bool;
+#[derive(Clone, Copy)]
+pub(crate) enum On {
+    /// Those at this x.
+    X(f64),
+    /// Those at this y.
+    Y(f64),
+    /// Those at this z.
+    Z(f64),
+    /// Those for which this holds.
+    Where(fn(&Point3<f64>) -> bool),
+}
 
 /// What is meshed.
 #[derive(Clone, Copy)]
@@ -98,7 +108,7 @@ impl Model {
         };
         let mut problem = Problem::new(element, body, self.material)?;
         for &(held, on) in self.supports {
-            problem.hold(held, on);
+            problem.hold(held, |p| on.takes(p));
         }
         let load = self.load.on(&problem)?;
         let solution = problem.solve(load)?;
@@ -115,16 +125,27 @@ impl Model {
     }
 }
 
+impl On {
+    fn takes(self, p: &Point3<f64>) -> bool {
+        match self {
+            Self::X(at) => same(p.x, at),
+            Self::Y(at) => same(p.y, at),
+            Self::Z(at) => same(p.z, at),
+            Self::Where(takes) => takes(p),
+        }
+    }
+}
+
 impl Load {
     /// The forces on the nodes of a problem.
     pub(crate) fn on(&self, problem: &Problem) -> Result<NodalLoad, VerifyError> {
         Ok(match *self {
             Self::Total(on, dof, total) if problem.is_shell() => {
-                problem.line_load(&problem.nodes_where(on), dof, total)
+                problem.line_load(&problem.body.nodes_where(|p| on.takes(p)), dof, total)
             }
             Self::Total(on, axis, total) => {
                 let direction = Vector3::ith(axis, 1.0);
-                let pull = problem.traction(on, |_, _| direction)?;
+                let pull = problem.traction(|p| on.takes(p), |_, _| direction)?;
                 pull.scaled(total / pull.total_n().dot(&direction))
             }
             Self::Node(place, dof, value) => {
@@ -132,11 +153,11 @@ impl Load {
                 push(&mut load, problem.body.node(place)?, dof, value);
                 load
             }
-            Self::Traction(on, traction) => problem.traction(on, traction)?,
+            Self::Traction(on, traction) => problem.traction(|p| on.takes(p), traction)?,
             Self::Torque(on, about) => {
                 let about = Point3::from(about);
                 let turn = |p: &Point3<f64>, _: &_| Vector3::new(0.0, about.z - p.z, p.y - about.y);
-                let turn = problem.traction(on, turn)?;
+                let turn = problem.traction(|p| on.takes(p), turn)?;
                 let torque = turn.moment_nm(problem.body.tets()?, &about)?.x;
                 turn.scaled(1.0 / torque)
             }

@@ -1,21 +1,18 @@
 //! The rows as a report with a page: docs/verification.md to look at.
 
-use hapdef_bench::{Column, or_dash, table};
+use hapdef_bench::{Column, table};
 use hapdef_report::{
     Figure, LineChart, NamedText, ReportError, ReportTable, Series, SkippedStage, TextTable,
 };
 use serde_json::Value;
 
-use crate::table::{against, error, markdown, target, value};
+use crate::table::{ELEMENT, ERROR, REFERENCE, TARGET, VALUE, markdown};
 use crate::{CaseReport, Report, Verdict};
 
 /// A problem is plotted where an element was tried on at least so many meshes.
 const PLOTTED_MESHES: usize = 3;
 
 /// The cases, the finest mesh of each in a table, convergence as plots; `data` is for machines.
-///
-/// # Errors
-/// A plot that can't be drawn.
 pub fn verification_page(
     report: &Report,
     data: Value,
@@ -58,19 +55,14 @@ fn not_run(report: &Report) -> Vec<SkippedStage> {
 const COLUMNS: [Column<CaseReport>; 10] = [
     Column::new("case", |r| r.case.id()),
     Column::new("problem", |r| r.case.title.into()),
-    Column::new("element", |r| r.case.element.word().into()),
+    ELEMENT,
     Column::new("unit", |r| r.case.unit.into()),
-    Column::new("reference", |r| against(r.case.reference)),
-    Column::new("value", |r| {
-        or_dash(r.rows.last().map(|row| value(r.case.reference, row.measured.value)))
-    }),
-    Column::new("error", |r| or_dash(r.rows.last().map(error))),
-    Column::new("target", |r| target(&r.case)),
+    REFERENCE,
+    VALUE,
+    ERROR,
+    TARGET,
     Column::new("verdict", |r| r.verdict.word().into()),
-    Column::new("why", |r| match &r.verdict {
-        Verdict::KnownMiss(why) | Verdict::Fail(why) | Verdict::NotRun(why) => why.clone(),
-        Verdict::Pass | Verdict::Reported => String::new(),
-    }),
+    Column::new("why", |r| r.verdict.why().into()),
 ];
 
 /// The cases; a verdict of those that pass stands out.

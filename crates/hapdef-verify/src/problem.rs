@@ -7,7 +7,7 @@ use hapdef_sim::{
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::meshes::{Body, BodyMesh, Place, faces_where, nodes_where};
+use crate::meshes::{Body, BodyMesh, Place};
 use crate::{Element, Measured, VerifyError};
 
 /// A meshed body, its material and what holds it.
@@ -66,18 +66,13 @@ impl Problem {
         Ok(Self { body, element, material, clamped: Vec::new(), supports: Supports::default() })
     }
 
-    /// The nodes where `on`, ascending.
-    pub(crate) fn nodes_where(&self, on: impl Fn(&Point3<f64>) -> bool) -> Vec<FeNodeId> {
-        nodes_where(self.body.nodes(), on)
-    }
-
     pub(crate) fn is_shell(&self) -> bool {
         matches!(self.body.mesh, BodyMesh::Shell(_))
     }
 
     /// Holds the nodes where `on`.
     pub(crate) fn hold(&mut self, held: Held, on: impl Fn(&Point3<f64>) -> bool) {
-        let nodes = self.nodes_where(on);
+        let nodes = self.body.nodes_where(on);
         match held {
             Held::All => self.clamped.extend(nodes),
             Held::Only(dofs) => dofs.iter().for_each(|&dof| self.fix(nodes.clone(), dof)),
@@ -104,7 +99,7 @@ impl Problem {
     ) -> Result<NodalLoad, VerifyError> {
         let mesh = self.body.tets()?;
         let mut load = NodalLoad::default();
-        for face in &faces_where(mesh, on) {
+        for face in &mesh.faces_where(on) {
             let nodes = face_positions(mesh, face);
             for q in tri6::QUADRATURE {
                 let area = tri6::area_vector(&nodes, q.xi, q.eta);

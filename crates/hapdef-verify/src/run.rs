@@ -27,6 +27,8 @@ pub struct CaseReport {
 pub struct Row {
     /// What it gave.
     pub measured: Measured,
+    /// What it is compared with.
+    pub reference: Reference,
     /// Relative error, where there is a reference.
     pub rel_err: Option<f64>,
     /// Observed order up to this mesh, where it can be estimated.
@@ -52,7 +54,6 @@ pub enum Verdict {
 
 impl Verdict {
     /// `ok`, `misses (known)`, `FAILED`, `not run` or `reported`.
-    #[must_use]
     pub fn word(&self) -> &'static str {
         match self {
             Self::Pass => "ok",
@@ -62,35 +63,38 @@ impl Verdict {
             Self::Reported => "reported",
         }
     }
+
+    /// The reason of what is no pass; empty where there is none.
+    pub fn why(&self) -> &str {
+        match self {
+            Self::KnownMiss(why) | Self::Fail(why) | Self::NotRun(why) => why,
+            Self::Pass | Self::Reported => "",
+        }
+    }
 }
 
 impl Report {
     /// Cases that were judged: pass, known miss or fail.
-    #[must_use]
     pub fn n_judged(&self) -> usize {
         self.count(|verdict| !matches!(verdict, Verdict::NotRun(_) | Verdict::Reported))
     }
 
     /// Cases whose verdict is so.
-    #[must_use]
     pub fn count(&self, is: impl Fn(&Verdict) -> bool) -> usize {
         self.cases.iter().filter(|case| is(&case.verdict)).count()
     }
 
     /// Cases whose target is missed for a known reason.
-    #[must_use]
     pub fn n_known_misses(&self) -> usize {
         self.count(|verdict| matches!(verdict, Verdict::KnownMiss(_)))
     }
 
     /// Cases whose target is missed for no known reason.
-    #[must_use]
     pub fn n_failed(&self) -> usize {
         self.count(|verdict| matches!(verdict, Verdict::Fail(_)))
     }
 
     /// The largest relative error on the finest mesh over all judged cases.
-    #[must_use]
     pub fn worst(&self) -> Option<f64> {
         let errors = self.cases.iter().filter_map(|case| case.rows.last()?.rel_err);
         errors.max_by(f64::total_cmp)
@@ -111,7 +115,6 @@ pub fn run_cases(cases: &[Case], mut after: impl FnMut(&CaseReport)) -> Report {
 }
 
 /// Solves and judges one case.
-#[must_use]
 pub fn run_case(case: &Case) -> CaseReport {
     let mut rows: Vec<Row> = Vec::new();
     let mut stopped = None;
@@ -121,8 +124,9 @@ pub fn run_case(case: &Case) -> CaseReport {
             Ok(measured) => {
                 let elapsed_s = started.elapsed().as_secs_f64();
                 let rel_err = case.reference.rel_err(measured.value);
-                rows.push(Row { measured, rel_err, order: None, elapsed_s });
-                let order = observed_order(case.reference, &rows);
+                let reference = case.reference;
+                rows.push(Row { measured, reference, rel_err, order: None, elapsed_s });
+                let order = observed_order(&rows);
                 rows[level].order = order;
             }
             Err(error) => {
@@ -185,8 +189,8 @@ fn meets(case: &Case, last: &Row, rel_err: f64) -> Result<(), String> {
 /// ln(|v₁ − v₀| / |v₂ − v₁|) / ln(h₁/h₂) of the three finest, if they
 /// are refined by one ratio
 /// (Roache, Verification and Validation in Computational Science and Engineering, 1998, section 5).
-fn observed_order(reference: Reference, rows: &[Row]) -> Option<f64> {
-    let (differences, h) = match (reference, rows) {
+fn observed_order(rows: &[Row]) -> Option<f64> {
+    let (differences, h) = match (rows.last()?.reference, rows) {
         (Reference::Exact(_) | Reference::Zero, [.., a, b]) => {
             ((a.rel_err?, b.rel_err?), (a.measured.h, b.measured.h))
         }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use hapdef_bench::stats;
 use hapdef_mesh::{
     CleanParams, ExtrudeParams, Extrusion, FaceCurve, GltfParams, LengthUnit, MeshError,
     RefinedSolid, SkinSide, SolidDeck, SurfaceFault, SurfaceMesh, Tri6Face, clean_surface, extrude,
@@ -170,9 +171,7 @@ fn median_edge_m(skin: &SurfaceMesh) -> f64 {
         let [a, b, c] = skin.corners(t);
         [(b - a).norm(), (c - b).norm(), (a - c).norm()]
     });
-    let mut lengths: Vec<f64> = sides.collect();
-    lengths.sort_by(f64::total_cmp);
-    lengths[lengths.len() / 2]
+    stats::median(sides)
 }
 
 fn deck_of(wall: Extrusion) -> SolidDeck {

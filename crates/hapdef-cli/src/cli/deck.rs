@@ -1,11 +1,13 @@
 //! `hapdef deck`: a deck's own load, solved and compared with another program's result.
 
-use std::io::Read;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use hapdef_cli::shown;
-use hapdef_mesh::{PointField, PointValues, SolidDeck, read_deck, write_vtu};
+use hapdef_mesh::{
+    PointField, PointValues, SolidDeck, largest_difference, read_deck, read_displacements,
+    write_vtu,
+};
 use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad};
 use nalgebra::Vector3;
 
@@ -21,7 +23,10 @@ pub(crate) fn solve(file: &Path, reference: Option<&Path>, vtu: Option<&Path>) -
         ..ElasticParams::new(material, deck.fixed_nodes.clone())
     };
     let elastic_model = ElasticModel::build(&deck.mesh, &params)?;
-    let load = own_load(&deck)?;
+    let load = NodalLoad::of_deck(&deck)?;
+    if load.forces_n.is_empty() {
+        bail!("the deck has no load: add a nodal force or a pressure to it");
+    }
     let (displacement, solve) = elastic_model.solve(&load)?;
     let info = elastic_model.info();
     let mass = MassProperties::of(&deck.mesh, density);
@@ -47,7 +52,8 @@ pub(crate) fn solve(file: &Path, reference: Option<&Path>, vtu: Option<&Path>) -
         label(extremes.smallest_element)
     );
     println!("load             {:?} N", load.total_n().as_slice());
-    println!("largest |u|      {:.6} mm", largest(&displacement) * 1e3);
+    let largest_m = displacement.iter().map(Vector3::norm).fold(0.0, f64::max);
+    println!("largest |u|      {:.6} mm", largest_m * 1e3);
     println!("strain energy    {:.6e} J", elastic_model.strain_energy_j(&displacement)?);
     if let Some(reference) = reference {
         compare(&deck, &displacement, reference)?;
@@ -61,55 +67,12 @@ pub(crate) fn solve(file: &Path, reference: Option<&Path>, vtu: Option<&Path>) -
     Ok(())
 }
 
-fn own_load(deck: &SolidDeck) -> Result<NodalLoad> {
-    let forces = NodalLoad { forces_n: deck.nodal_forces.clone(), ..NodalLoad::default() };
-    let load = forces.plus(&NodalLoad::traction(&deck.mesh, &deck.face_tractions)?);
-    if load.forces_n.is_empty() {
-        bail!("the deck has no load: add a nodal force or a pressure to it");
-    }
-    Ok(load)
-}
-
 fn compare(deck: &SolidDeck, displacement: &[Vector3<f64>], reference: &Path) -> Result<()> {
-    let expected = read_displacements(reference)?;
-    let mut worst = 0.0_f64;
-    let mut n_compared = 0;
-    for (label, u) in deck.node_labels.iter().zip(displacement) {
-        let Ok(place) = expected.binary_search_by_key(label, |entry| entry.0) else {
-            continue;
-        };
-        worst = worst.max((u - expected[place].1).norm());
-        n_compared += 1;
-    }
-    if n_compared == 0 {
+    let found = deck.node_labels.iter().copied().zip(displacement.iter().copied());
+    let Some((n, share)) = largest_difference(found, &read_displacements(reference)?) else {
         bail!("{}: has no displacement for any node of the deck", shown(reference));
-    }
-    let relative = worst / largest(displacement);
-    println!("against {}: {n_compared} nodes", shown(reference));
-    println!("METRIC:deck.u_rel_err:{relative:.3e}:1");
-    Ok(())
-}
-
-fn largest(displacement: &[Vector3<f64>]) -> f64 {
-    displacement.iter().map(Vector3::norm).fold(0.0, f64::max)
-}
-
-/// Rows `node vx vy vz` of a CalculiX result file, by rising node, m.
-fn read_displacements(path: &Path) -> Result<Vec<(u32, Vector3<f64>)>> {
-    let bytes = std::fs::read(path).with_context(|| format!("reading {}", shown(path)))?;
-    let mut text = String::new();
-    if bytes.starts_with(&[0x1f, 0x8b]) {
-        flate2::read::GzDecoder::new(bytes.as_slice()).read_to_string(&mut text)?;
-    } else {
-        text = String::from_utf8(bytes)?;
-    }
-    let row = |line: &str| {
-        let mut words = line.split_whitespace();
-        let label = words.next()?.parse().ok()?;
-        let mut number = || words.next()?.parse().ok();
-        Some((label, Vector3::new(number()?, number()?, number()?)))
     };
-    let mut rows: Vec<_> = text.lines().filter_map(row).collect();
-    rows.sort_unstable_by_key(|entry| entry.0);
-    Ok(rows)
+    println!("against {}: {n} nodes", shown(reference));
+    println!("METRIC:deck.u_rel_err:{share:.3e}:1");
+    Ok(())
 }

@@ -9,7 +9,7 @@ use hapdef::{Limb, Run, write_json};
 use hapdef_cli::{SceneArgs, shown};
 use hapdef_inverse::LimitParams;
 use hapdef_mesh::{VertexField, write_glb};
-use hapdef_report::{Block, LimbMap, LimbView, Page, TextTable};
+use hapdef_report::{Block, LimbMap, LimbView, Page, TextTable, text_table};
 use serde_json::{Value, json};
 
 use super::pages;
@@ -142,7 +142,7 @@ fn bounds_table(report: &LimitsReport) -> TextTable {
         ]
     });
     let header = ["contacts", "median, mm", "95 %, mm", "singular", "carried"];
-    pages::table(header, [single, pair].into_iter().chain(carried))
+    text_table(header, [single, pair].into_iter().chain(carried))
 }
 
 /// The single bound as colour, from 0 to what is usable.

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use hapdef::Run;
-use hapdef_report::{MetricContext, NamedText, Origin, SkippedStage, TextCell, TextTable};
+use hapdef_report::{MetricContext, NamedText, Origin, SkippedStage};
 
 /// A line at the head of a page.
 pub(super) fn fact(name: &str, text: String) -> NamedText {
@@ -22,18 +22,6 @@ pub(super) fn origin(run: &Run, skipped: &[(&str, &str)]) -> Result<Origin> {
         hashes: run.input_hashes()?.map(named).to_vec(),
         skipped: skipped.iter().map(left_out).collect(),
     })
-}
-
-/// A table of plain cells.
-pub(super) fn table<const N: usize>(
-    header: [&str; N],
-    rows: impl IntoIterator<Item = [String; N]>,
-) -> TextTable {
-    let cells = |row: [String; N]| row.map(TextCell::plain).to_vec();
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: rows.into_iter().map(cells).collect(),
-    }
 }
 
 #[cfg(test)]

@@ -11,7 +11,9 @@ use hapdef::touch::{LayoutParams, LayoutStudy, ScoredLayout, gauge_entries, stud
 use hapdef::{Limb, Run, write_json};
 use hapdef_cli::{SceneArgs, shown};
 use hapdef_inverse::PlacementScore;
-use hapdef_report::{Block, Figure, LimbMap, LimbView, LineChart, Page, Series, TextTable};
+use hapdef_report::{
+    Block, Figure, LimbMap, LimbView, LineChart, Page, Series, TextTable, text_table,
+};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
@@ -183,7 +185,7 @@ fn layouts_table(study: &LayoutStudy) -> TextTable {
         ]
     };
     let header = ["layout", "one: mean, mm", "95 %", "two: median, mm", "95 %", "chosen in, s"];
-    pages::table(header, study.layouts.iter().map(row))
+    text_table(header, study.layouts.iter().map(row))
 }
 
 /// One bound of every method by number of gauges.

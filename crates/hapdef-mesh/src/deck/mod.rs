@@ -8,6 +8,7 @@ mod ansys_mesh;
 mod ansys_parameters;
 mod ansys_state;
 mod builder;
+mod displacements;
 mod fault;
 mod include;
 mod inp;
@@ -24,6 +25,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
+pub use displacements::{LabelledDisplacements, largest_difference, read_displacements};
 pub use fault::DeckFault;
 pub use include::deck_includes;
 pub use write::write_inp;

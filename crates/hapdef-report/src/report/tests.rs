@@ -1,6 +1,7 @@
 //! A small report, read back.
 
 use super::*;
+use crate::TextCell;
 use crate::headline::Headline;
 use crate::metrics::MetricContext;
 

@@ -6,6 +6,9 @@
 //! Every row says what must hold. It is `accurate` where that holds, `refused` where the method
 //! gave a typed error, and wrong where neither is so.
 
+/// The bound as the tests of hapdef-nets have it, from the words of [`hapdef_nets::infer::Precision`].
+#[path = "../../../hapdef-nets/tests/it/infer/bound.rs"]
+mod bound;
 mod cases;
 mod inverse;
 mod parts;
@@ -13,31 +16,15 @@ mod plant;
 mod quantised;
 mod table;
 
-use std::convert::Infallible;
-use std::sync::Arc;
+pub use inverse::{InverseWorld, trials as inverse_trials};
+pub use parts::trials as parts_trials;
+pub use plant::Plant;
+pub use table::{INVERSE_TABLE, NETS_TABLE, PARTS_TABLE, Trials};
 
-use hapdef_report::robustness::{Row, Table};
-
-pub use inverse::InverseWorld;
-pub use table::{INVERSE_TABLE, NETS_TABLE, PARTS_TABLE};
-
-/// Runs every row of docs/stability-nets.md in its order; each goes to `progress` as it comes.
-pub fn nets_rows(seed: u64, progress: impl FnMut(&Row)) -> Vec<Row> {
-    let all = cases::trials(seed).into_iter().chain(quantised::trials(seed)).collect();
-    rows(&NETS_TABLE, all, progress)
-}
-
-/// Runs every row of docs/stability-parts.md in its order; each goes to `progress` as it comes.
-pub fn parts_rows(seed: u64, progress: impl FnMut(&Row)) -> Vec<Row> {
-    rows(&PARTS_TABLE, parts::trials(seed), progress)
-}
-
-/// Runs every row of docs/stability-inverse.md in its order; each goes to `progress` as it comes.
-pub fn inverse_rows(world: &Arc<InverseWorld>, progress: impl FnMut(&Row)) -> Vec<Row> {
-    rows(&INVERSE_TABLE, inverse::trials(world), progress)
-}
-
-fn rows(table: &Table, trials: Vec<table::Trial>, progress: impl FnMut(&Row)) -> Vec<Row> {
-    let refusal = |error| Ok::<_, Infallible>(table::refusal(&error));
-    table.rows(trials, refusal, progress).unwrap_or_else(|never| match never {})
+/// Every row of docs/stability-nets.md in its order; `seed` draws their data.
+pub fn nets_trials(seed: u64) -> Trials<Plant> {
+    let mut rows = Trials::new(Plant::new(seed, plant::net(3e-3)));
+    cases::add(&mut rows, seed);
+    quantised::add(&mut rows, seed);
+    rows
 }

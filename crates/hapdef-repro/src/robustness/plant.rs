@@ -6,15 +6,16 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::baselines::{LinearParams, SvrParams};
 use crate::error::ReproError;
-use crate::search::{Learner, NetSettings, Samples};
+use crate::search::{Fitted, Learner, NetSettings, Samples};
 
 pub(super) const N_TRAIN: usize = 200;
 const N_TEST: usize = 100;
 pub(super) const N_OUT: usize = 3;
 
-/// Training and test samples; the test outputs are the truth.
+/// A method with its training and test samples; the test outputs are the truth.
 #[derive(Clone)]
-pub(super) struct Plant {
+pub struct Plant {
+    pub(super) learner: Learner,
     pub(super) n_in: usize,
     pub(super) x: Vec<f32>,
     pub(super) y: Vec<f32>,
@@ -24,7 +25,7 @@ pub(super) struct Plant {
 
 impl Plant {
     /// Four channels evenly in ±1; y = (a + b²/2, sin c + a d, b − c).
-    pub(super) fn new(seed: u64) -> Self {
+    pub(super) fn new(seed: u64, learner: Learner) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_add(1));
         let mut draw = |n: usize| -> (Vec<f32>, Vec<f32>) {
             let word = |rng: &mut ChaCha8Rng| (rng.next_u32() >> 8) as f32 / 8_388_608.0 - 1.0;
@@ -36,38 +37,44 @@ impl Plant {
             (x, y)
         };
         let ((x, y), (test_x, test_y)) = (draw(N_TRAIN), draw(N_TEST));
-        Self { n_in: 4, x, y, test_x, test_y }
+        Self { learner, n_in: 4, x, y, test_x, test_y }
+    }
+
+    /// Another method on the samples.
+    pub(super) fn by(&self, learner: Learner) -> Self {
+        Self { learner, ..self.clone() }
+    }
+
+    /// The samples after `change`.
+    pub(super) fn changed(&self, change: impl FnOnce(&mut Self)) -> Self {
+        let mut changed = self.clone();
+        change(&mut changed);
+        changed
     }
 
     /// Every input row through `change`, which may also change its width.
-    pub(super) fn with_inputs(mut self, change: impl Fn(&[f32]) -> Vec<f32>) -> Self {
-        let through = |x: &[f32], width: usize| -> Vec<f32> {
-            x.chunks_exact(width).flat_map(&change).collect()
-        };
-        (self.x, self.test_x) = (through(&self.x, self.n_in), through(&self.test_x, self.n_in));
-        self.n_in = self.x.len() / N_TRAIN;
-        self
+    pub(super) fn with_inputs(&self, change: impl Fn(&[f32]) -> Vec<f32>) -> Self {
+        let through =
+            |x: &[f32]| -> Vec<f32> { x.chunks_exact(self.n_in).flat_map(&change).collect() };
+        let (x, test_x) = (through(&self.x), through(&self.test_x));
+        Self { n_in: x.len() / N_TRAIN, x, test_x, ..self.clone() }
     }
 
-    /// Every output times `factor`.
-    pub(super) fn with_outputs_times(mut self, factor: f32) -> Self {
-        self.y.iter_mut().chain(&mut self.test_y).for_each(|y| *y *= factor);
-        self
-    }
-
-    pub(super) fn samples(&self) -> Samples<'_> {
-        Samples { x: &self.x, n_inputs: self.n_in, y: &self.y, n_outputs: N_OUT }
+    /// The method after its fit.
+    pub(super) fn fitted(&self) -> Result<Fitted, ReproError> {
+        let samples = Samples { x: &self.x, n_inputs: self.n_in, y: &self.y, n_outputs: N_OUT };
+        self.learner.fit(&samples, &|| false)
     }
 
     /// Predictions for the test inputs.
-    pub(super) fn predictions(&self, learner: &Learner) -> Result<Vec<f32>, ReproError> {
-        learner.fit(&self.samples(), &|| false)?.predictions(&self.test_x, N_TEST)
+    pub(super) fn predictions(&self) -> Result<Vec<f32>, ReproError> {
+        self.fitted()?.predictions(&self.test_x, N_TEST)
     }
 
     /// RMS error on the test samples over the RMS spread of the test outputs about their means,
     /// for the outputs from `first` on: 1 is as good as the mean.
-    pub(super) fn error_from(&self, learner: &Learner, first: usize) -> Result<f64, ReproError> {
-        let found = self.predictions(learner)?;
+    pub(super) fn error_from(&self, first: usize) -> Result<f64, ReproError> {
+        let found = self.predictions()?;
         let (mut squares, mut spread) = (0.0, 0.0);
         for column in first..N_OUT {
             let truth = || self.test_y.iter().skip(column).step_by(N_OUT).map(|v| f64::from(*v));
@@ -80,8 +87,18 @@ impl Plant {
     }
 
     /// [`Plant::error_from`] over all outputs.
-    pub(super) fn error(&self, learner: &Learner) -> Result<f64, ReproError> {
-        self.error_from(learner, 0)
+    pub(super) fn error(&self) -> Result<f64, ReproError> {
+        self.error_from(0)
+    }
+
+    /// Error over the error of another problem.
+    pub(super) fn over(&self, other: &Self) -> Result<f64, ReproError> {
+        Ok(self.error()? / other.error()?)
+    }
+
+    /// How far the predictions of another problem are from these.
+    pub(super) fn apart(&self, other: &Self) -> Result<f64, ReproError> {
+        Ok(largest_difference(&self.predictions()?, &other.predictions()?))
     }
 }
 
@@ -98,9 +115,14 @@ pub(super) fn methods() -> [(&'static str, Learner); 4] {
 
 /// A small net with this learning rate.
 pub(super) fn net(learning_rate: f64) -> Learner {
+    net_of(Activation::Relu, learning_rate)
+}
+
+/// The same of this activation.
+pub(super) fn net_of(activation: Activation, learning_rate: f64) -> Learner {
     Learner::Net(NetSettings {
         hidden: vec![32, 32],
-        activation: Activation::Relu,
+        activation,
         training: TrainParams {
             steps: 300,
             batch: 32,

@@ -13,5 +13,6 @@ pub(crate) mod tet10;
 pub use mass::{MassProperties, element_mass_kg};
 pub use material::{IsotropicMaterial, MaterialRegion};
 pub use patch_stress::patch_stress;
+pub use quadrature::tet_rule;
 pub use stress::{nodal_stress, stress};
 pub use tet10::{ElementMatrix, InvertedPoint, space_gradients, stiffness, strain};

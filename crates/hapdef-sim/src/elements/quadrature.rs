@@ -15,7 +15,7 @@ const GAUSS5: [(f64, f64); 5] = [
 /// The cube's Gauss rule under Duffy's map (ξ, η, ζ) = (a, b(1 − a), c(1 − a)(1 − b))
 /// (Duffy, SIAM J. Numer. Anal. 19, 1982), whose Jacobian (1 − a)²(1 − b) takes two of the nine
 /// degrees. Nᵢ Nⱼ det J on curved elements has degree 7.
-pub(crate) fn tet_rule() -> impl Iterator<Item = ([f64; 3], f64)> {
+pub fn tet_rule() -> impl Iterator<Item = ([f64; 3], f64)> {
     GAUSS5.into_iter().flat_map(|(a, wa)| {
         GAUSS5.into_iter().flat_map(move |(b, wb)| {
             GAUSS5.into_iter().map(move |(c, wc)| {

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use hapdef_mesh::{FaceTraction, FeNodeId, Tet10Mesh, Tri6Face, face_positions, tet10, tri6};
+use hapdef_mesh::{
+    FaceTraction, FeNodeId, SolidDeck, Tet10Mesh, Tri6Face, face_positions, tet10, tri6,
+};
 use nalgebra::{Point3, Vector3};
 
 use crate::SimError;
@@ -31,6 +33,15 @@ impl NodalLoad {
     #[must_use]
     pub fn nodal_moment(node: FeNodeId, moment_nm: Vector3<f64>) -> Self {
         Self { moments_nm: vec![(node, moment_nm)], ..Self::default() }
+    }
+
+    /// Point forces and tractions of a deck.
+    ///
+    /// # Errors
+    /// As [`Self::traction`].
+    pub fn of_deck(deck: &SolidDeck) -> Result<Self, SimError> {
+        let forces = Self { forces_n: deck.nodal_forces.clone(), ..Self::default() };
+        Ok(forces.plus(&Self::traction(&deck.mesh, &deck.face_tractions)?))
     }
 
     /// The load equivalent to constant tractions (force per area, in space directions) on curved

@@ -32,12 +32,3 @@ fn processor_s() -> f64 {
         _ => f64::NAN,
     }
 }
-
-/// The most memory this process has held, GiB; NaN where /proc has none.
-pub(crate) fn peak_gib() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    text.lines()
-        .find_map(|line| line.strip_prefix("VmHWM:")?.split_whitespace().next())
-        .and_then(|kib| kib.parse::<f64>().ok())
-        .map_or(f64::NAN, |kib| kib / f64::from(1 << 20))
-}

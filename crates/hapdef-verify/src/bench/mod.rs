@@ -12,57 +12,51 @@ mod system;
 mod wanted;
 
 use std::collections::BTreeSet;
-use std::io::Write;
-use std::path::Path;
+use std::io::Stdout;
+use std::path::PathBuf;
 
 use hapdef_mesh::{FeNodeId, SolidDeck, Tet10Mesh, read_deck};
-use hapdef_report::MetricLog;
+use hapdef_report::{MetricLog, peak_rss_gib};
 use hapdef_sim::{
     ComplianceParams, ElasticModel, ElasticParams, GaugeSite, GaugeStrain, IsotropicMaterial,
     NodalLoad, SolveInfo,
 };
 use nalgebra::{Point3, Vector3};
 
-use self::clock::{Took, peak_gib, timed};
+use self::clock::{Took, timed};
 use self::system::System;
 use crate::VerifyError;
 use crate::ccx::ccx;
 use crate::deck::build;
-use crate::meshes::{Blocks, nodes_where};
+use crate::meshes::Blocks;
 use crate::problem::n_threads;
 
 /// What is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BenchOptions {
+#[derive(clap::Args)]
+pub(crate) struct BenchOptions {
+    /// The limb, a solid deck.
+    #[arg(long, default_value = "fixtures/shin/shin.inp.gz")]
+    deck: PathBuf,
     /// Loads of the campaign: unit forces at so many surface nodes, evenly spread.
-    pub n_loads: usize,
-    /// Threads of the runs that are not compared with other solvers.
-    pub n_threads: usize,
-    /// Whether the block of 300,000 equations is solved too.
-    pub large: bool,
+    #[arg(long, default_value_t = 3255)]
+    loads: usize,
+    /// Threads where no other solver is compared with; all cores where left out.
+    #[arg(long)]
+    threads: Option<usize>,
+    /// Leave the block of 300,000 equations out.
+    #[arg(long)]
+    skip_large: bool,
 }
 
-impl Default for BenchOptions {
-    /// The paper's 3,255 loads, all cores, with the large block.
-    fn default() -> Self {
-        Self { n_loads: 3255, n_threads: n_threads(), large: true }
-    }
-}
+type Log = MetricLog<Stdout>;
 
-/// Measures the solver on the deck in `path`.
-///
-/// # Errors
-/// What reading, building or solving reports; a solver that is not installed is skipped.
-pub fn run<W: Write>(
-    path: &Path,
-    options: &BenchOptions,
-    log: &mut MetricLog<W>,
-) -> Result<(), VerifyError> {
-    let (deck, read) = timed(|| read_deck(path));
+/// Measures the solver on the deck.
+pub(crate) fn run(options: &BenchOptions, log: &mut Log) -> Result<(), VerifyError> {
+    let (deck, read) = timed(|| read_deck(&options.deck));
     let deck = deck?;
-    let (model, built) = timed(|| build(&deck, options.n_threads));
+    let (model, built) = timed(|| build(&deck, options.threads.unwrap_or_else(n_threads)));
     let model = model?;
-    let nodes = surface_nodes(&deck, options.n_loads);
+    let nodes = surface_nodes(&deck, options.loads);
     let loads = unit_loads(&nodes);
     let (solved, compliance) = timed(|| compliance(&model, &loads, &nodes));
     let forward_share = solved?.forward_factor_share;
@@ -74,7 +68,7 @@ pub fn run<W: Write>(
         ("fe.factor_s", info.factor_s, "s"),
         ("fe.compliance_s", compliance.wall_s, "s"),
         ("fe.compliance_processor_s", compliance.processor_s, "s"),
-        ("fe.compliance_rss_gib", peak_gib(), "GiB"),
+        ("fe.compliance_rss_gib", peak_rss_gib().unwrap_or(f64::NAN), "GiB"),
         ("fe.forward_factor_share", forward_share, "1"),
     ] {
         log.value(name, value, unit)?;
@@ -84,7 +78,7 @@ pub fn run<W: Write>(
     campaign(&deck, nodes[0], loads.len(), [read, built, compliance], log)?;
     drop(model);
     against(&build(&deck, 1)?, &loads, &nodes, "fe", log)?;
-    if options.large {
+    if !options.skip_large {
         large(log)?;
     }
     Ok(())
@@ -114,12 +108,12 @@ fn compliance(
 
 /// Ten gauges for every force at every node, from the deck on disk; 240 adjoint solves after it.
 /// Returns the gauges, none where they don't fit.
-fn gauges<W: Write>(
+fn gauges(
     deck: &SolidDeck,
     model: &ElasticModel,
     read: Took,
     build: Took,
-    log: &mut MetricLog<W>,
+    log: &mut Log,
 ) -> Result<Vec<GaugeStrain>, VerifyError> {
     let faces = deck.mesh.boundary().faces;
     let site = |face: usize| {
@@ -159,12 +153,12 @@ fn gauges<W: Write>(
 }
 
 /// One CalculiX run per load, on all cores, against one factorisation for all.
-fn campaign<W: Write>(
+fn campaign(
     deck: &SolidDeck,
     node: FeNodeId,
     n_loads: usize,
     stages: [Took; 3],
-    log: &mut MetricLog<W>,
+    log: &mut Log,
 ) -> Result<(), VerifyError> {
     let one = SolidDeck {
         nodal_forces: vec![(node, Vector3::new(2.0, -1.0, 2.0) / 3.0)],
@@ -187,12 +181,12 @@ fn campaign<W: Write>(
 }
 
 /// `model`, on one thread, against faer's plain call, CHOLMOD and the dense product.
-fn against<W: Write>(
+fn against(
     model: &ElasticModel,
     loads: &[NodalLoad],
     wanted: &[FeNodeId],
     prefix: &str,
-    log: &mut MetricLog<W>,
+    log: &mut Log,
 ) -> Result<(), VerifyError> {
     let name = |what: &str| format!("{prefix}.{what}");
     let (solved, solve) = timed(|| compliance(model, loads, wanted));
@@ -238,11 +232,11 @@ fn against<W: Write>(
 }
 
 /// A thick plate of 304,920 equations, 240 loads.
-fn large<W: Write>(log: &mut MetricLog<W>) -> Result<(), VerifyError> {
+fn large(log: &mut Log) -> Result<(), VerifyError> {
     let mesh: Tet10Mesh =
         Blocks::default().block([60, 60, 3], |p| Point3::new(p.x, p.y, 0.05 * p.z)).finish()?;
-    let clamped = nodes_where(mesh.nodes(), |p| p.x < 1e-9);
-    let wanted = nodes_where(mesh.nodes(), |p| p.x > 0.5 && p.z > 0.05 - 1e-9);
+    let clamped = mesh.nodes_where(|p| p.x < 1e-9);
+    let wanted = mesh.nodes_where(|p| p.x > 0.5 && p.z > 0.05 - 1e-9);
     let material = IsotropicMaterial::new(2e9, 0.35, 1000.0)?;
     let params = ElasticParams { n_threads: 1, ..ElasticParams::new(material, clamped) };
     let model = ElasticModel::build(&mesh, &params)?;

@@ -23,9 +23,6 @@ const SOURCE: &str = include_str!("cholmod.c");
 const BLOCK: &str = "64";
 
 /// Compiles and runs CHOLMOD on `system` with METIS and with AMD, with one thread for the BLAS.
-///
-/// # Errors
-/// [`VerifyError::NotRun`] with the reason where compiler, CHOLMOD or an optimised BLAS are missing.
 pub(crate) fn cholmod(system: &System) -> Result<[(&'static str, Cholmod); 2], VerifyError> {
     let folder = tempfile::tempdir().map_err(not_run("no temporary folder"))?;
     let (source, program) = (folder.path().join("cholmod.c"), folder.path().join("cholmod"));

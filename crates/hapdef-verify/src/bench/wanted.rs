@@ -1,6 +1,6 @@
 //! What solving for wanted rows alone saves.
 
-use std::io::Write;
+use std::io::Stdout;
 
 use hapdef_bench::stats::median;
 use hapdef_mesh::FeNodeId;
@@ -22,12 +22,12 @@ const N_SAMPLED: usize = 64;
 /// Times compliance with sampled residuals against all residuals, in one run, round after round:
 /// for all nodes of the mesh, for those of `surface`, and for those that `gauges` read. Ratios are
 /// medians of processor seconds.
-pub(super) fn measure<W: Write>(
+pub(super) fn measure(
     model: &ElasticModel,
     loads: &[NodalLoad],
     surface: &[FeNodeId],
     gauges: &[GaugeStrain],
-    log: &mut MetricLog<W>,
+    log: &mut MetricLog<Stdout>,
 ) -> Result<(), VerifyError> {
     let n = N_LOADS.min(loads.len());
     let loads: Vec<NodalLoad> = (0..n).map(|i| loads[i * loads.len() / n].clone()).collect();

@@ -4,11 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Point3;
 
-use crate::case::{Case, Solve};
-use crate::meshes::{Pattern, Place};
-use crate::model::{Load, Mesh, Model, On, Probe};
-use crate::problem::{Held, Solution, same};
-use crate::{Element, Reference, VerifyError};
+use super::prelude::*;
 
 /// Name, title, axis of the force and of what is read, and the published value.
 type Pulled = (&'static str, &'static str, usize, f64);
@@ -54,7 +50,7 @@ pub(super) fn solids() -> Vec<Case> {
         ..Case::default()
     };
     let mut cases = pulled(STRAIGHT, &base, |axis| {
-        vec![Model { load: Load::Total(|p| same(p.x, 6.0), axis, 1.0), ..STRAIGHT_SOLID }]
+        vec![Model { load: Load::Total(X(6.0), axis, 1.0), ..STRAIGHT_SOLID }]
     });
     cases.push(Case {
         name: "straight.twist",
@@ -65,7 +61,7 @@ pub(super) fn solids() -> Vec<Case> {
         source: "Saint-Venant torsion of a rectangle, Timoshenko and Goodier, 3rd ed., article 109, \
             eq. 160. MacNeal and Harder print 0.03208 (value from memory), 6 % less than Saint-Venant",
         solve: Solve::of(Model {
-            load: Load::Torque(|p| same(p.x, 6.0), [6.0, 0.0, 0.0]),
+            load: Load::Torque(X(6.0), [6.0, 0.0, 0.0]),
             probe: Probe::Value(|s| Ok(3.0 * (rotation(s, 4.0)? - rotation(s, 2.0)?))),
             ..STRAIGHT_SOLID
         }),
@@ -86,7 +82,7 @@ pub(super) fn solids() -> Vec<Case> {
             Timoshenko and Goodier, 3rd ed., article 33. MacNeal and Harder print 0.08734, 1.4 % less",
         solve: Solve::of(Model {
             supports: PLANE_SECTION,
-            load: Load::Total(at_x_0, 1, 1.0),
+            load: Load::Total(X(0.0), 1, 1.0),
             ..RING_SOLID
         }),
         ..curved.clone()
@@ -108,20 +104,12 @@ pub(super) fn solids() -> Vec<Case> {
         ..Case::default()
     };
     cases.extend(pulled(TWISTED, &base, |axis| {
-        vec![Model { load: Load::Total(|p| same(p.x, 12.0), axis, 1.0), ..TWISTED_SOLID }]
+        vec![Model { load: Load::Total(X(12.0), axis, 1.0), ..TWISTED_SOLID }]
     }));
     cases
 }
 
-const CLAMPED_START: &[(Held, On)] = &[(Held::All, at_x_0)];
-
-fn at_x_0(p: &Point3<f64>) -> bool {
-    same(p.x, 0.0)
-}
-
-fn at_y_0(p: &Point3<f64>) -> bool {
-    same(p.y, 0.0)
-}
+const CLAMPED_START: &[(Held, On)] = &[(All, X(0.0))];
 
 const STRAIGHT_SOLID: Model = Model {
     mesh: Mesh::Block(|p| Point3::new(6.0 * p.x, 0.2 * (p.y - 0.5), 0.1 * (p.z - 0.5))),
@@ -160,16 +148,16 @@ const RING_SOLID: Model = Model {
         Point3::new(r * phi.cos(), r * phi.sin(), 0.1 * (p.z - 0.5))
     }),
     material: [1e7, 0.25],
-    supports: &[(Held::All, at_y_0)],
-    load: Load::Total(at_x_0, 2, 1.0),
+    supports: &[(All, Y(0.0))],
+    load: Load::Total(X(0.0), 2, 1.0),
     probe: Probe::Work(1.0),
 };
 
 /// The section at y = 0 stays plane and free to slide; its mid node is held.
 const PLANE_SECTION: &[(Held, On)] = &[
-    (Held::Only(&[1]), at_y_0),
-    (Held::Only(&[0]), |p| at_y_0(p) && same(p.z, -0.05) && same(p.x, 4.12)),
-    (Held::Only(&[2]), |p| at_y_0(p) && same(p.z, -0.05)),
+    (Only(&[1]), Y(0.0)),
+    (Only(&[0]), Where(|p| same(p.y, 0.0) && same(p.z, -0.05) && same(p.x, 4.12))),
+    (Only(&[2]), Where(|p| same(p.y, 0.0) && same(p.z, -0.05))),
 ];
 
 /// At the root the width lies along y, at the tip along z.
@@ -192,8 +180,7 @@ pub(super) fn shells() -> Vec<Case> {
         ..Case::default()
     };
     let mut cases = both(pulled(STRAIGHT, &base, |axis| {
-        let (load, probe) =
-            (Load::Total(|p| same(p.x, 6.0), axis, 1.0), Probe::Mean(CORNERS, axis));
+        let (load, probe) = (Load::Total(X(6.0), axis, 1.0), Probe::Mean(CORNERS, axis));
         SHAPES.map(|mesh| Model { mesh, load, probe, ..STRAIGHT_SHELL }).to_vec()
     }));
     cases.push(Case {
@@ -317,7 +304,7 @@ fn ring_shell(axis: usize) -> Model {
         }),
         material: [1e7, 0.25],
         supports: CLAMPED_START,
-        load: Load::Total(at_y_0, axis, 1.0),
+        load: Load::Total(Y(0.0), axis, 1.0),
         probe: Probe::Mean(CORNERS, axis),
     }
 }
@@ -331,7 +318,7 @@ fn twisted_shell(thickness: f64, axis: usize, force: f64) -> Model {
         }),
         material: [29e6, 0.22],
         supports: CLAMPED_START,
-        load: Load::Total(|p| same(p.x, 12.0), axis, force),
+        load: Load::Total(X(12.0), axis, force),
         probe: Probe::U(Place::Grid(1.0, 0.5), axis),
     }
 }

@@ -5,18 +5,17 @@ use std::f64::consts::PI;
 use std::rc::Rc;
 use std::time::Instant;
 
-use hapdef_mesh::{DeckMaterial, FeNodeId, SolidDeck, read_deck};
+use hapdef_mesh::{DeckMaterial, FeNodeId, SolidDeck, read_deck, read_displacements};
+use hapdef_report::ReportError;
 use hapdef_sim::NodalLoad;
 use nalgebra::{Point3, Vector3};
 
 use super::inp::InpDeck;
-use crate::case::{Case, Solve};
+use super::prelude::*;
 use crate::ccx::ccx;
-use crate::deck::{largest_difference, no_material, own_load, read_displacements};
+use crate::deck::{largest_difference, no_material};
 use crate::memo::Memo;
-use crate::meshes::{Blocks, Body};
-use crate::problem::{Held, Problem, Solution, same};
-use crate::{Element, Measured, Reference, Target, VerifyError, shared};
+use crate::shared;
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
@@ -67,7 +66,7 @@ pub(super) fn cases() -> Vec<Case> {
 fn own_deck(element: Element, name: &str) -> Result<Measured, VerifyError> {
     let path = shared(&format!("fe/calculix/{name}.inp"))?;
     let reference = shared(&format!("fe/calculix/{name}.dat.ref"))?;
-    let text = std::fs::read_to_string(&path).map_err(VerifyError::io("reading", &path))?;
+    let text = std::fs::read_to_string(&path).map_err(ReportError::io("reading", &path))?;
     let deck = parse(&without_boundary(&text))?;
     let material = deck.material.ok_or_else(|| no_material("none"))?;
     let words = format!("the deck's {} elements", deck.mesh.elements().len());
@@ -82,18 +81,17 @@ fn own_deck(element: Element, name: &str) -> Result<Measured, VerifyError> {
         };
         problem.fix(nodes, axis);
     }
-    let solution = problem.solve(own_load(&deck)?)?;
-    let labels = deck.node_labels.iter().copied();
-    let difference = difference(labels, &solution, &read_displacements(&reference)?)?;
+    let solution = problem.solve(NodalLoad::of_deck(&deck)?)?;
+    let difference = difference(deck.node_labels, &solution, &read_displacements(&reference)?)?;
     Ok(solution.measured(difference))
 }
 
 /// The deck of a text.
 fn parse(text: &str) -> Result<SolidDeck, VerifyError> {
-    let io = VerifyError::io("making a folder in", ".".as_ref());
+    let io = ReportError::io("making a folder in", ".".as_ref());
     let folder = tempfile::tempdir().map_err(io)?;
     let copy = folder.path().join("deck.inp");
-    std::fs::write(&copy, text).map_err(VerifyError::io("writing", &copy))?;
+    std::fs::write(&copy, text).map_err(ReportError::io("writing", &copy))?;
     Ok(read_deck(&copy)?)
 }
 
@@ -110,12 +108,14 @@ fn without_boundary(text: &str) -> String {
 }
 
 fn difference(
-    labels: impl Iterator<Item = u32>,
+    labels: Vec<u32>,
     solution: &Solution,
     reference: &[(u32, Vector3<f64>)],
 ) -> Result<f64, VerifyError> {
-    let found = labels.zip(solution.motion.displacement.iter().copied());
-    largest_difference(&found.collect::<Vec<_>>(), reference)
+    largest_difference(
+        labels.into_iter().zip(solution.motion.displacement.iter().copied()),
+        reference,
+    )
 }
 
 /// What both programs gave for the tube.
@@ -146,7 +146,7 @@ fn both_tubes(element: Element, n: [usize; 3]) -> Result<BothTubes, VerifyError>
     let solution = problem.solve(load)?;
     let own_s = started.elapsed().as_secs_f64();
     Ok(BothTubes {
-        difference: difference(deck.node_labels.into_iter(), &solution, &other)?,
+        difference: difference(deck.node_labels, &solution, &other)?,
         time_ratio: other_s / own_s,
         sizes: solution.measured(f64::NAN),
     })
@@ -160,7 +160,7 @@ fn deck(problem: &Problem, load: &NodalLoad) -> Result<SolidDeck, VerifyError> {
         *forces.entry(*node).or_insert_with(Vector3::zeros) += force;
     }
     Ok(SolidDeck {
-        fixed_nodes: problem.nodes_where(|p| same(p.z, 0.0)),
+        fixed_nodes: problem.body.nodes_where(|p| same(p.z, 0.0)),
         mesh,
         node_labels: (1..=n_nodes).collect(),
         element_labels: (1..=n_elements).collect(),

@@ -5,11 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::nafems_solids::clean;
-use crate::Reference;
-use crate::case::{Case, Solve};
-use crate::meshes::{Body, Place, hollow_octant};
-use crate::model::{Load, Mesh, Model, On, Probe};
-use crate::problem::{Held, same};
+use super::prelude::*;
+use crate::meshes::hollow_octant;
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
@@ -52,12 +49,10 @@ fn sphere((name, title, nu): (&'static str, &'static str, f64)) -> Case {
                 Ok(Body::solid(hollow_octant(n[0])?, n).named(words))
             }),
             material: [E, nu],
-            supports: &[
-                (Held::Mirror(0), |p| same(p.x, 0.0)),
-                (Held::Mirror(1), |p| same(p.y, 0.0)),
-                (Held::Mirror(2), |p| same(p.z, 0.0)),
-            ],
-            load: Load::Traction(|p| same(p.coords.norm(), INNER), |_, normal| -normal * PRESSURE),
+            supports: &[(Mirror(0), X(0.0)), (Mirror(1), Y(0.0)), (Mirror(2), Z(0.0))],
+            load: Load::Traction(Where(|p| same(p.coords.norm(), INNER)), |_, normal| {
+                -normal * PRESSURE
+            }),
             // the work of a unit pressure is the mean normal displacement times the area
             probe: Probe::Work(PRESSURE * (0.5 * PI * INNER * INNER)),
         }),
@@ -98,10 +93,9 @@ fn cylinder() -> [Case; 2] {
             mesh: Mesh::Block(|p| quarter_ring(p, |radius, _| radius)),
             material: [E, nu],
             supports: PLANE_STRAIN_QUARTER,
-            load: Load::Traction(
-                |p| same(p.xy().coords.norm(), INNER),
-                |_, normal| -normal * PRESSURE,
-            ),
+            load: Load::Traction(Where(|p| same(p.xy().coords.norm(), INNER)), |_, normal| {
+                -normal * PRESSURE
+            }),
             probe,
         }),
         ..Case::default()
@@ -109,9 +103,9 @@ fn cylinder() -> [Case; 2] {
 }
 
 const PLANE_STRAIN_QUARTER: &[(Held, On)] = &[
-    (Held::Mirror(1), |p| same(p.y, 0.0)),
-    (Held::Mirror(0), |p| same(p.x, 0.0)),
-    (Held::Mirror(2), |p| same(p.z, 0.0) || same(p.z, 0.5)),
+    (Mirror(1), Y(0.0)),
+    (Mirror(0), X(0.0)),
+    (Mirror(2), Where(|p| same(p.z, 0.0) || same(p.z, 0.5))),
 ];
 
 /// A quarter ring from radius 1, of thickness ½; `outer(ρ, φ)` is the radius at ρ in 1..2.
@@ -156,10 +150,9 @@ fn kirsch() -> Case {
             }),
             material: [E, 0.3],
             supports: PLANE_STRAIN_QUARTER,
-            load: Load::Traction(
-                |p| same(p.x, 4.0) || same(p.y, 4.0),
-                |p, normal| kirsch_stress(p, 0.3) * normal * 1e6,
-            ),
+            load: Load::Traction(Where(|p| same(p.x, 4.0) || same(p.y, 4.0)), |p, normal| {
+                kirsch_stress(p, 0.3) * normal * 1e6
+            }),
             probe: Probe::Stress([0.0, 1.0, 0.0], 0, 0),
         }),
         ..Case::default()
@@ -204,17 +197,14 @@ fn plate() -> Case {
             material: [E, 0.3],
             // edges at x = 0 and y = 0 with w = 0 and no motion along the edge; symmetry at a/2
             supports: &[
-                (Held::Only(&[2]), |p| same(p.x, 0.0) || same(p.y, 0.0)),
-                (Held::Only(&[1]), |p| same(p.x, 0.0) || same(p.y, 0.5 * SIDE)),
-                (Held::Only(&[0]), |p| same(p.y, 0.0) || same(p.x, 0.5 * SIDE)),
+                (Only(&[2]), Where(|p| same(p.x, 0.0) || same(p.y, 0.0))),
+                (Only(&[1]), Where(|p| same(p.x, 0.0) || same(p.y, 0.5 * SIDE))),
+                (Only(&[0]), Where(|p| same(p.y, 0.0) || same(p.x, 0.5 * SIDE))),
             ],
-            load: Load::Traction(
-                |p| same(p.z, 0.5 * THICKNESS),
-                |p, _| {
-                    let wave = (PI * p.x / SIDE).sin() * (PI * p.y / SIDE).sin();
-                    Vector3::z() * (PRESSURE * wave)
-                },
-            ),
+            load: Load::Traction(Z(0.5 * THICKNESS), |p, _| {
+                let wave = (PI * p.x / SIDE).sin() * (PI * p.y / SIDE).sin();
+                Vector3::z() * (PRESSURE * wave)
+            }),
             probe: Probe::U(Place::At([0.5 * SIDE, 0.5 * SIDE, 0.0]), 2),
         }),
         ..Case::default()

@@ -4,11 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{Point3, Vector3};
 
-use crate::Reference;
-use crate::case::{Case, Solve};
-use crate::meshes::{Pattern, Place, Triangles};
-use crate::model::{Load, Mesh, Model, Probe};
-use crate::problem::{Held, same};
+use super::prelude::*;
+use crate::meshes::Triangles;
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
@@ -78,11 +75,7 @@ const ROOF: Model = Model {
         Point3::new(25.0 * a.sin(), 25.0 * p.y, 25.0 * a.cos())
     }),
     material: [4.32e8, 0.0],
-    supports: &[
-        (Held::Mirror(0), |p| same(p.x, 0.0)),
-        (Held::Mirror(1), |p| same(p.y, 0.0)),
-        (Held::Only(&[0, 2]), |p| same(p.y, 25.0)),
-    ],
+    supports: &[(Mirror(0), X(0.0)), (Mirror(1), Y(0.0)), (Only(&[0, 2]), Y(25.0))],
     load: Load::Area([0.0, 0.0, -90.0]),
     probe: Probe::Value(|s| Ok(-s.u(Place::Grid(1.0, 0.0), 2)?)),
 };
@@ -95,10 +88,10 @@ const CYLINDER: Model = Model {
     }),
     material: [3e6, 0.3],
     supports: &[
-        (Held::Mirror(0), |p| same(p.x, 0.0)),
-        (Held::Mirror(2), |p| same(p.z, 0.0)),
-        (Held::Mirror(1), |p| same(p.y, 0.0)),
-        (Held::Only(&[0, 2]), |p| same(p.y, 300.0)),
+        (Mirror(0), X(0.0)),
+        (Mirror(2), Z(0.0)),
+        (Mirror(1), Y(0.0)),
+        (Only(&[0, 2]), Y(300.0)),
     ],
     load: Load::Node(Place::Grid(0.0, 0.0), 2, -0.25),
     probe: Probe::Value(|s| Ok(-s.u(Place::Grid(0.0, 0.0), 2)?)),
@@ -111,11 +104,7 @@ const HEMISPHERE: Model = Model {
         Point3::new(a.cos() * b.cos(), a.sin() * b.cos(), b.sin()) * 10.0
     }),
     material: [6.825e7, 0.3],
-    supports: &[
-        (Held::Mirror(1), |p| same(p.y, 0.0)),
-        (Held::Mirror(0), |p| same(p.x, 0.0)),
-        (Held::Only(&[2]), |p| same(p.x, 10.0)),
-    ],
+    supports: &[(Mirror(1), Y(0.0)), (Mirror(0), X(0.0)), (Only(&[2]), X(10.0))],
     load: Load::All(&[
         Load::Node(Place::Grid(0.0, 0.0), 0, 1.0),
         Load::Node(Place::Grid(1.0, 0.0), 1, -1.0),
@@ -145,11 +134,7 @@ const LE3: Model = Model {
         Ok(triangles.body(0.04)?.named(format!("{n} rows")))
     }),
     material: [68.25e9, 0.3],
-    supports: &[
-        (Held::Mirror(1), |p| same(p.y, 0.0)),
-        (Held::Mirror(0), |p| same(p.x, 0.0)),
-        (Held::Only(&[2]), |p| same(p.z, 10.0)),
-    ],
+    supports: &[(Mirror(1), Y(0.0)), (Mirror(0), X(0.0)), (Only(&[2]), Z(10.0))],
     load: Load::All(&[
         Load::Node(Place::At([10.0, 0.0, 0.0]), 0, 2000.0),
         Load::Node(Place::At([0.0, 10.0, 0.0]), 1, -2000.0),

@@ -6,12 +6,11 @@ use hapdef_mesh::{FaceCurve, FeNodeId};
 use nalgebra::Point3;
 
 use super::inp::InpDeck;
-use crate::case::{Case, Solve};
+use super::prelude::*;
 use crate::deck::no_material;
-use crate::meshes::{Body, Place, Triangles};
-use crate::model::{Load, Mesh, Model, Probe};
-use crate::problem::{Held, Problem, Solution, push};
-use crate::{Element, Measured, Reference, VerifyError, shared};
+use crate::meshes::Triangles;
+use crate::problem::push;
+use crate::shared;
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
@@ -170,9 +169,9 @@ const ROOF: Model = Model {
     mesh: Mesh::Other(roof),
     material: [3e6, 0.0],
     supports: &[
-        (Held::Mirror(1), |p| p.y.abs() < 1e-3),
-        (Held::Mirror(2), |p| (p.z - 300.0).abs() < 1e-3),
-        (Held::Only(&[0, 1]), |p| p.z.abs() < 1e-3),
+        (Mirror(1), Where(|p| p.y.abs() < 1e-3)),
+        (Mirror(2), Where(|p| (p.z - 300.0).abs() < 1e-3)),
+        (Only(&[0, 1]), Where(|p| p.z.abs() < 1e-3)),
     ],
     load: Load::Area([-0.20833 * 3.0, 0.0, 0.0]),
     probe: Probe::Value(|s| {

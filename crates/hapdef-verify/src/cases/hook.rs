@@ -2,11 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::case::{Case, Solve};
-use crate::meshes::{Pattern, Place};
-use crate::model::{Load, Mesh, Model, On, Probe};
-use crate::problem::Held;
-use crate::{Element, Measured, Reference, Target};
+use super::prelude::*;
 
 /// Rows of the table: the thick kind, since its torsion needs transverse shear.
 pub(super) fn cases() -> Vec<Case> {
@@ -47,7 +43,7 @@ const SHELL: Model = Model {
     mesh: Mesh::Grid(2.0, Pattern::ALL, |p| hook_at(p.x).0 + Vector3::z() * (20.0 * p.y)),
     material: [3300.0, 0.35],
     supports: START,
-    load: Load::Total(at_end, 2, 1.0),
+    load: Load::Total(Where(at_end), 2, 1.0),
     probe: Probe::U(Place::Grid(1.0, 0.5), 2),
 };
 
@@ -61,7 +57,7 @@ const SOLID: Model = Model {
     ..SHELL
 };
 
-const START: &[(Held, On)] = &[(Held::All, |p| p.y.abs() < 1e-9 && p.x < 2.0)];
+const START: &[(Held, On)] = &[(All, Where(|p| p.y.abs() < 1e-9 && p.x < 2.0))];
 
 fn at_end(p: &Point3<f64>) -> bool {
     let (end, normal) = hook_at(1.0);

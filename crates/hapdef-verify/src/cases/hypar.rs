@@ -4,12 +4,8 @@ use std::rc::Rc;
 
 use nalgebra::Point3;
 
-use crate::case::{Case, Solve};
+use super::prelude::*;
 use crate::memo::Memo;
-use crate::meshes::Pattern;
-use crate::model::{Load, Map, Mesh, Model, Probe};
-use crate::problem::{Held, same};
-use crate::{Element, Measured, Reference, Target};
 
 /// Name, title, t/L, the map of its mesh, and the energy of the whole shell, J.
 type Thickness = (&'static str, &'static str, f64, Map, f64);
@@ -79,7 +75,7 @@ fn model((_, _, thickness, map, _): Thickness) -> Model {
     Model {
         mesh: Mesh::Grid(thickness, &[Pattern::Up], map),
         material: [2e11, 0.3],
-        supports: &[(Held::All, |p| same(p.x, -0.5)), (Held::Mirror(1), |p| same(p.y, 0.0))],
+        supports: &[(All, X(-0.5)), (Mirror(1), Y(0.0))],
         load: Load::Area([0.0, 0.0, -8000.0 * thickness]),
         probe: Probe::Work(1.0),
     }

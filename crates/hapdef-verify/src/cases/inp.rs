@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use hapdef_report::ReportError;
 use nalgebra::Point3;
 
 use crate::VerifyError;
@@ -32,7 +33,7 @@ pub(super) struct InpDeck {
 impl InpDeck {
     /// Reads the deck in `path`.
     pub(super) fn read(path: &Path) -> Result<Self, VerifyError> {
-        let text = std::fs::read_to_string(path).map_err(VerifyError::io("reading", path))?;
+        let text = std::fs::read_to_string(path).map_err(ReportError::io("reading", path))?;
         Ok(Self::parse(&text))
     }
 

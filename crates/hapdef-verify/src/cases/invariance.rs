@@ -4,9 +4,8 @@
 use hapdef_sim::{IsotropicMaterial, SimError, shell_stiffness, stiffness};
 use nalgebra::{DMatrix, DVector, Matrix3, Point3, Rotation3, Vector3};
 
-use crate::case::{Case, Solve};
+use super::prelude::*;
 use crate::meshes::straight;
-use crate::{Element, Measured, Target, VerifyError};
 
 /// Rows of solids.
 pub(super) fn solids() -> Vec<Case> {

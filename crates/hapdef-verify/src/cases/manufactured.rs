@@ -3,14 +3,10 @@
 use std::f64::consts::PI;
 
 use hapdef_mesh::tet10;
-use hapdef_sim::{strain, stress};
+use hapdef_sim::{strain, stress, tet_rule};
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::case::{Case, Solve};
-use crate::meshes::{Blocks, Body};
-use crate::model::{Load, Mesh, Model, Probe};
-use crate::problem::{Held, Solution, same};
-use crate::{Target, VerifyError};
+use super::prelude::*;
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
@@ -44,7 +40,7 @@ const MODEL: Model = Model {
         Ok(Body::solid(mesh, n).named(format!("{}³ cells", n[0])))
     }),
     material: [1.0, 0.3],
-    supports: &[(Held::All, |p| p.iter().any(|&c| same(c, 0.0) || same(c, 1.0)))],
+    supports: &[(All, Where(|p| p.iter().any(|&c| same(c, 0.0) || same(c, 1.0))))],
     // −div σ of u = φ c: −μ Δφ c − (λ + μ) ∇∇φ c
     load: Load::Volume(|material, p| {
         let (lambda, mu) = (material.lame_lambda_pa(), material.shear_modulus_pa());
@@ -89,7 +85,8 @@ fn norms(s: &Solution) -> Result<Norms, VerifyError> {
     for (element, ids) in mesh.elements().iter().enumerate() {
         let nodes = mesh.element_positions(element);
         let own = ids.map(|id| s.motion.displacement[id.index()]);
-        for (r, weight) in fine_rule() {
+        // an error integral needs more than the stiffness rule, at whose points strains superconverge
+        for (r, weight) in tet_rule() {
             let volume = weight * tet10::jacobian(&nodes, r).determinant();
             let (phi, gradient, _) = bump(&tet10::position(&nodes, r));
             let found: Vector3<f64> = own.iter().zip(tet10::shape(r)).map(|(u, n)| u * n).sum();
@@ -105,23 +102,4 @@ fn norms(s: &Solution) -> Result<Norms, VerifyError> {
         }
     }
     Ok(norms)
-}
-
-/// Four Gauss–Legendre points a direction under Duffy's map, exact to degree 5: an error integral
-/// needs more than the stiffness rule, at whose points strains superconverge.
-fn fine_rule() -> impl Iterator<Item = ([f64; 3], f64)> {
-    const GAUSS4: [(f64, f64); 4] = [
-        (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
-        (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
-        (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
-        (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
-    ];
-    GAUSS4.into_iter().flat_map(|(a, wa)| {
-        GAUSS4.into_iter().flat_map(move |(b, wb)| {
-            GAUSS4.into_iter().map(move |(c, wc)| {
-                let (ra, rb) = (1.0 - a, 1.0 - b);
-                ([a, b * ra, c * ra * rb], wa * wb * wc * ra * ra * rb)
-            })
-        })
-    })
 }

@@ -2,11 +2,7 @@
 
 use nalgebra::Point3;
 
-use crate::Reference;
-use crate::case::{Case, Solve};
-use crate::meshes::{Pattern, Place};
-use crate::model::{Load, Mesh, Model, Probe};
-use crate::problem::{Held, same};
+use super::prelude::*;
 
 /// The slab of ten-node tetrahedra. Its lower face is its plane of symmetry, so that the model is half
 /// as thick as the slab; with a traction-free upper face the mean over the thickness is plane stress up
@@ -16,11 +12,8 @@ pub(super) fn solids() -> Vec<Case> {
         mesh: Mesh::Block(|p| trapezium(p) + Point3::new(0.0, 0.0, 0.5 * p.z).coords),
         material: [1.0, 1.0 / 3.0],
         // z is free at the wall, as in plane stress
-        supports: &[
-            (Held::Only(&[0, 1]), |p| same(p.x, 0.0)),
-            (Held::Mirror(2), |p| same(p.z, 0.0)),
-        ],
-        load: Load::Total(|p| same(p.x, 48.0), 1, 0.5),
+        supports: &[(Only(&[0, 1]), X(0.0)), (Mirror(2), Z(0.0))],
+        load: Load::Total(X(48.0), 1, 0.5),
         probe: Probe::U(Place::At([48.0, 52.0, 0.0]), 1),
     };
     vec![Case {
@@ -36,8 +29,8 @@ pub(super) fn shells() -> Vec<Case> {
     let shell = Model {
         mesh: Mesh::Grid(1.0, Pattern::ALL, trapezium),
         material: [1.0, 1.0 / 3.0],
-        supports: &[(Held::All, |p| same(p.x, 0.0))],
-        load: Load::Total(|p| same(p.x, 48.0), 1, 1.0),
+        supports: &[(All, X(0.0))],
+        load: Load::Total(X(48.0), 1, 1.0),
         probe: Probe::U(Place::Grid(1.0, 0.5), 1),
     };
     let case = Case {

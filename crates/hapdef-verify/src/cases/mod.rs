@@ -15,11 +15,11 @@ mod membranes;
 mod nafems_shells;
 mod nafems_solids;
 mod patch;
+mod prelude;
 
 use crate::Case;
 
 /// Every case, in the order of the table: solids, then shells.
-#[must_use]
 pub fn all_cases() -> Vec<Case> {
     let groups = [
         patch::solids(),

@@ -3,11 +3,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::case::{Case, Solve};
-use crate::meshes::{Blocks, Body, Pattern, Place};
-use crate::model::{Load, Mesh, Model, Probe};
-use crate::problem::{Held, Solution, same};
-use crate::{Element, Measured, Reference, Target, VerifyError};
+use super::prelude::*;
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
@@ -101,27 +97,19 @@ const PATCH: Model = Model {
         Point3::new(cos, sin, 0.5 * p.y)
     }),
     material: [210e9, 0.3],
-    supports: &[
-        (Held::All, |p| same(p.y, 0.0)),
-        (Held::Mirror(2), |p| same(p.z, 0.0)),
-        (Held::Mirror(2), |p| same(p.z, 0.5)),
-    ],
-    load: Load::Total(at_edge, 5, 1000.0 * 0.5),
+    supports: &[(All, Y(0.0)), (Mirror(2), Z(0.0)), (Mirror(2), Z(0.5))],
+    load: Load::Total(Y(0.5), 5, 1000.0 * 0.5),
     probe: Probe::Value(|s| {
         let hoop = |p: &Point3<f64>| Vector3::new(-p.y, p.x, 0.0);
         Ok(s.shell_stress(Place::Grid(0.5, 0.5), 0.005, hoop)?.x / 1e6)
     }),
 };
 
-fn at_edge(p: &Point3<f64>) -> bool {
-    same(p.y, 0.5)
-}
-
 /// The edge is pulled along the hoop, at 30°.
 const PATCH_PRESSURE: Load = Load::All(&[
     Load::Pressure(-0.6e6),
-    Load::Total(at_edge, 0, -0.5 * EDGE_PULL),
-    Load::Total(at_edge, 1, 0.866_025_403_784_438_6 * EDGE_PULL),
+    Load::Total(Y(0.5), 0, -0.5 * EDGE_PULL),
+    Load::Total(Y(0.5), 1, 0.866_025_403_784_438_6 * EDGE_PULL),
 ]);
 const EDGE_PULL: f64 = 60e6 * 0.01 * 0.5;
 
@@ -137,10 +125,10 @@ const Z_SECTION: Model = Model {
         Point3::new(10.0 * p.x, y, z)
     }),
     material: [210e9, 0.3],
-    supports: &[(Held::All, |p| same(p.x, 0.0))],
+    supports: &[(All, X(0.0))],
     load: Load::All(&[
-        Load::Total(|p| same(p.x, 10.0) && p.z > 0.95 - 1e-9, 1, -0.6e6),
-        Load::Total(|p| same(p.x, 10.0) && p.z < -0.95 + 1e-9, 1, 0.6e6),
+        Load::Total(Where(|p| same(p.x, 10.0) && p.z > 0.95 - 1e-9), 1, -0.6e6),
+        Load::Total(Where(|p| same(p.x, 10.0) && p.z < -0.95 + 1e-9), 1, 0.6e6),
     ]),
     probe: Probe::Value(|s| {
         Ok(s.shell_stress(Place::Grid(0.25, 0.0), 0.0, |_| Vector3::x())?.x / 1e6)
@@ -185,13 +173,16 @@ const SKEW_PLATE: Model = Model {
     }),
     material: [210e9, 0.3],
     supports: &[
-        (Held::Only(&[2]), |p| {
-            let (sin, cos) = ARC.sin_cos();
-            let along = p.x - p.y / sin * cos;
-            [p.y, p.y - sin, along, along - 1.0].iter().any(|&off| same(off, 0.0))
-        }),
-        (Held::Only(&[0, 1]), |p| same(p.x, 0.0)),
-        (Held::Only(&[1]), |p| same(p.x, 1.0) && same(p.y, 0.0)),
+        (
+            Only(&[2]),
+            Where(|p| {
+                let (sin, cos) = ARC.sin_cos();
+                let along = p.x - p.y / sin * cos;
+                [p.y, p.y - sin, along, along - 1.0].iter().any(|&off| same(off, 0.0))
+            }),
+        ),
+        (Only(&[0, 1]), X(0.0)),
+        (Only(&[1]), Where(|p| same(p.x, 1.0) && same(p.y, 0.0))),
     ],
     load: Load::Pressure(700.0),
     probe: Probe::Value(|s| Ok(principal(s, Place::Grid(0.5, 0.5), -0.005)? / 1e6)),

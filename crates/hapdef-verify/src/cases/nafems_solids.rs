@@ -4,10 +4,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
 use nalgebra::{Point3, Vector3};
 
-use crate::Reference;
-use crate::case::{Case, Solve};
-use crate::model::{Load, Mesh, Model, Probe};
-use crate::problem::{Held, same};
+use super::prelude::*;
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
@@ -55,24 +52,20 @@ pub(super) fn cases() -> Vec<Case> {
 const LE1: Model = Model {
     mesh: Mesh::Block(|p| elliptic(p, 0.05)),
     material: [210e9, 0.3],
-    supports: &[
-        (Held::Mirror(1), |p| same(p.y, 0.0)),
-        (Held::Mirror(0), |p| same(p.x, 0.0)),
-        (Held::Mirror(2), |p| same(p.z, 0.0)),
-    ],
-    load: Load::Traction(on_outer, |_, normal| normal * 10e6),
+    supports: &[(Mirror(1), Y(0.0)), (Mirror(0), X(0.0)), (Mirror(2), Z(0.0))],
+    load: Load::Traction(Where(on_outer), |_, normal| normal * 10e6),
     probe: Probe::Stress([2.0, 0.0, 0.0], 1, 1),
 };
 
 const LE10: Model = Model {
     mesh: Mesh::Block(|p| elliptic(p, 0.6)),
     supports: &[
-        (Held::Mirror(1), |p| same(p.y, 0.0)),
-        (Held::Mirror(0), |p| same(p.x, 0.0)),
-        (Held::Only(&[0, 1]), on_outer),
-        (Held::Only(&[2]), |p| on_outer(p) && same(p.z, 0.3)),
+        (Mirror(1), Y(0.0)),
+        (Mirror(0), X(0.0)),
+        (Only(&[0, 1]), Where(on_outer)),
+        (Only(&[2]), Where(|p| on_outer(p) && same(p.z, 0.3))),
     ],
-    load: Load::Traction(|p| same(p.z, 0.6), |_, normal| -normal * 1e6),
+    load: Load::Traction(Z(0.6), |_, normal| -normal * 1e6),
     probe: Probe::Stress([2.0, 0.0, 0.6], 1, 1),
     ..LE1
 };
@@ -106,9 +99,9 @@ const LE11: Model = Model {
     }),
     material: [210e9, 0.3],
     supports: &[
-        (Held::Mirror(1), |p| same(p.y, 0.0)),
-        (Held::Mirror(0), |p| same(p.x, 0.0)),
-        (Held::Mirror(2), |p| same(p.z, 0.0) || same(p.z, TOP)),
+        (Mirror(1), Y(0.0)),
+        (Mirror(0), X(0.0)),
+        (Mirror(2), Where(|p| same(p.z, 0.0) || same(p.z, TOP))),
     ],
     load: Load::Thermal(2.3e-4, |p| p.x.hypot(p.y) + p.z),
     probe: Probe::Stress([1.0, 0.0, 0.0], 2, 2),

@@ -5,9 +5,8 @@ use hapdef_sim::{IsotropicMaterial, ShellKind, ShellMesh, ShellStrain, SimError,
 use nalgebra::{DMatrix, DVector, Matrix3, Point3, Vector3};
 
 use super::invariance::worst;
-use crate::case::{Case, Solve};
+use super::prelude::*;
 use crate::robustness::{Block, bend, grid, material, turn, uniform, wobble};
-use crate::{Measured, Target, VerifyError};
 
 const IRONS: &str = "Irons and Razzaque, Experience with the patch test, 1972: a complete polynomial \
     of the element's degree is met on any mesh";
@@ -190,4 +189,20 @@ fn strain_error(
         let found = found.tensor(&values, 0.5 * thickness[0]);
         Ok((found - strain).amax() / strain.amax())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Verdict;
+    use crate::run::run_case;
+
+    #[test]
+    fn constant_strains_are_met_on_a_distorted_patch() {
+        let patches = shells();
+        assert_eq!(patches.len(), 8, "four patches, each thin and thick");
+        for case in patches {
+            assert_eq!(run_case(&case).verdict, Verdict::Pass, "{}", case.id());
+        }
+    }
 }

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use hapdef_report::{MetricContext, MetricLog};
-use hapdef_verify::{DeckMetrics, DeckResults, largest_difference, read_displacements};
+use hapdef_mesh::read_displacements;
 
 use super::context::MetricsArgs;
+use crate::deck::{DeckMetrics, DeckResults, largest_difference};
 
 /// Arguments of `deck`.
 #[derive(clap::Args)]
@@ -28,9 +28,6 @@ pub(crate) struct DeckArgs {
     /// Known strain energy, J.
     #[arg(long)]
     energy: Option<f64>,
-    /// The seed the metrics carry; nothing is drawn at random.
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
     #[command(flatten)]
     output: MetricsArgs,
 }
@@ -58,7 +55,7 @@ pub(crate) fn run(args: &DeckArgs) -> Result<()> {
         energy_j: args.energy.or(found.energy_j),
         ..found
     };
-    let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
+    let mut log = args.output.log();
     println!("equations  {}", results.n_equations);
     for (name, what, unit, of) in LINES {
         let value = of(&results.metrics);
@@ -79,7 +76,7 @@ pub(crate) fn run(args: &DeckArgs) -> Result<()> {
         (Some(_), _) if largest_u_m == 0.0 => log.skipped(name, "the deck has no load")?,
         (Some(path), _) => {
             let reference = read_displacements(path)?;
-            log.value(name, largest_difference(&results.displacement_m, &reference)?, "1")?;
+            log.value(name, largest_difference(results.displacement_m, &reference)?, "1")?;
         }
         (None, Some(u)) => log.value(name, (largest_u_m - u).abs() / u, "1")?,
         (None, None) => log.skipped(name, &format!("{UNKNOWN}; give --reference"))?,

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::ValueEnum;
+use hapdef_bench::robustness::{Inputs, Outputs, Row};
 use hapdef_report::MetricContext;
-use hapdef_report::robustness::{Inputs, Outputs, Row};
-use hapdef_verify::{ROBUSTNESS_TABLE, robustness_rows};
 
 use super::context::MetricsArgs;
+use crate::robustness::{ROBUSTNESS_TABLE, robustness_trials};
 
 /// Arguments of `robustness`.
 #[derive(clap::Args)]
@@ -25,9 +25,6 @@ pub(crate) struct RobustnessArgs {
     /// Print the rows as one JSON array instead of text.
     #[arg(long)]
     json: bool,
-    /// Draws which elements are stiff where they are scattered at random.
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
     #[command(flatten)]
     output: MetricsArgs,
 }
@@ -42,11 +39,11 @@ enum Part {
 /// Solves, prints and judges; false where a row is silently wrong or not what it should be.
 pub(crate) fn run(args: &RobustnessArgs) -> Result<bool> {
     let Part::Fe = args.part;
-    let rows = robustness_rows(args.seed, |row| {
+    let rows = ROBUSTNESS_TABLE.rows(robustness_trials(args.output.seed), |row| {
         if !args.json {
             println!("{}", row.line());
         }
-    })?;
+    });
     if args.json {
         println!("{}", rows.iter().map(Row::json).collect::<serde_json::Value>());
     }
@@ -55,7 +52,7 @@ pub(crate) fn run(args: &RobustnessArgs) -> Result<bool> {
         write: args.write.as_deref(),
         check: args.check.as_deref(),
     };
-    let log = (std::io::stdout(), MetricContext::here(args.seed));
+    let log = (std::io::stdout(), MetricContext::here(args.output.seed));
     let published = ROBUSTNESS_TABLE.publish(&rows, Inputs::default(), log, outputs)?;
     eprintln!("page: {}", published.page.display());
     for difference in &published.differences {

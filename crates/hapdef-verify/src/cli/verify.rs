@@ -1,17 +1,18 @@
 //! `hapdef-verify verify`: the table.
 
-use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
-use hapdef_mesh::atomic_write;
-use hapdef_report::{MetricContext, MetricLog};
-use hapdef_verify::{
-    CaseReport, Report, Verdict, all_cases, differences, markdown, people_table, run_cases,
-    verification_page,
-};
+use anyhow::{Result, bail};
+use hapdef_bench::{read_made, write_made};
+use hapdef_report::MetricLog;
 
 use super::context::{MetricsArgs, write_page};
+use crate::cases::all_cases;
+use crate::check::differences;
+use crate::page::verification_page;
+use crate::run::run_cases;
+use crate::table::{markdown, people_table};
+use crate::{CaseReport, Report, Verdict};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -28,9 +29,6 @@ pub(crate) struct VerifyArgs {
     /// Print the rows as one JSON array instead of text.
     #[arg(long)]
     json: bool,
-    /// The seed the metrics carry; the table itself draws nothing at random.
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
     #[command(flatten)]
     output: MetricsArgs,
 }
@@ -53,9 +51,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<bool> {
         println!("{data}");
     }
     if let Some(path) = &args.write {
-        let text = markdown(&report);
-        atomic_write(path, |file| file.write_all(text.as_bytes()))
-            .with_context(|| format!("writing {}", path.display()))?;
+        write_made(path, &markdown(&report))?;
     }
     let log = metrics(args, &report)?;
     let page = verification_page(&report, data)?;
@@ -68,9 +64,7 @@ fn agrees(args: &VerifyArgs, report: &Report) -> Result<bool> {
     let Some(path) = &args.check else {
         return Ok(true);
     };
-    let committed =
-        std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-    let faults = differences(report, &committed, &all_cases());
+    let faults = differences(report, &read_made(path)?, &all_cases());
     for fault in &faults {
         eprintln!("{}: {fault}", path.display());
     }
@@ -109,7 +103,7 @@ fn json(report: &Report) -> serde_json::Value {
 }
 
 fn metrics(args: &VerifyArgs, report: &Report) -> Result<MetricLog<std::io::Stdout>> {
-    let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
+    let mut log = args.output.log();
     log.value("verify.rows", report.n_judged() as f64, "1")?;
     log.value("verify.known_misses", report.n_known_misses() as f64, "1")?;
     log.value("verify.failed", report.n_failed() as f64, "1")?;

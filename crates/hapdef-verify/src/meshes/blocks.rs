@@ -98,9 +98,6 @@ impl Blocks {
     }
 
     /// The mesh of all blocks.
-    ///
-    /// # Errors
-    /// [`VerifyError::Mesh`] if blocks don't fit each other or a map turns a cell inside out.
     pub(crate) fn finish(self) -> Result<Tet10Mesh, VerifyError> {
         Ok(Tet10Mesh::new(self.nodes, self.elements)?)
     }

@@ -4,7 +4,6 @@ use hapdef_mesh::{FeNodeId, Tet10Mesh};
 use hapdef_sim::ShellMesh;
 use nalgebra::Point3;
 
-use super::nodes_where;
 use crate::VerifyError;
 
 /// A mesh with its size.
@@ -54,6 +53,12 @@ impl Body {
         }
     }
 
+    /// The nodes at positions for which `is_wanted` holds, ascending.
+    pub(crate) fn nodes_where(&self, is_wanted: impl Fn(&Point3<f64>) -> bool) -> Vec<FeNodeId> {
+        let wanted = self.nodes().iter().enumerate().filter(|(_, p)| is_wanted(p));
+        wanted.map(|(node, _)| FeNodeId::from_index(node)).collect()
+    }
+
     /// The tetrahedra of a solid.
     pub(crate) fn tets(&self) -> Result<&Tet10Mesh, VerifyError> {
         match &self.mesh {
@@ -84,7 +89,7 @@ impl Body {
     /// The first node within `reach` of a point.
     pub(crate) fn node_near(&self, point: [f64; 3], reach: f64) -> Result<FeNodeId, VerifyError> {
         let point = Point3::from(point);
-        let near = nodes_where(self.nodes(), |p| (p - point).norm() < reach);
+        let near = self.nodes_where(|p| (p - point).norm() < reach);
         near.first().copied().ok_or_else(|| {
             let what = "the place where the value is read";
             VerifyError::setup(what, format!("a node at {point}"), format!("none within {reach}"))

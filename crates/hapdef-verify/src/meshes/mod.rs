@@ -4,9 +4,7 @@
 mod blocks;
 mod body;
 mod grid;
-mod pick;
 
 pub(crate) use blocks::{Blocks, hollow_octant, moved, straight};
 pub(crate) use body::{Body, BodyMesh, Place};
 pub(crate) use grid::{Pattern, Triangles, grid};
-pub(crate) use pick::{faces_where, nodes_where};

@@ -1,7 +1,7 @@
 //! Parts far stiffer or softer than the rest.
 
+use hapdef_bench::robustness::Expected;
 use hapdef_mesh::Tet10Mesh;
-use hapdef_report::robustness::Expected;
 use hapdef_sim::{RigidBody, Supports};
 use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
@@ -10,9 +10,8 @@ use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
 use super::field::{material, series, stretch};
 use super::solid::{Block, grid};
 use super::solids::{both, result_if};
-use super::table::Trial;
+use super::table::RobustnessTrials;
 use crate::VerifyError;
-use crate::meshes::nodes_where;
 
 const E_PA: f64 = 2e9;
 
@@ -35,8 +34,7 @@ impl Part {
 }
 
 /// Rows of stiffness jumps; `seed` draws the random ones.
-pub(super) fn trials(seed: u64) -> Vec<Trial> {
-    let mut trials = Vec::new();
+pub(super) fn add(rows: &mut RobustnessTrials, seed: u64) {
     let parts = [
         ("E × f in the supported half", Part::Supported),
         ("E × f in the free half", Part::Free),
@@ -52,18 +50,17 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
                 Part::Middle => true,
             };
             let expected = result_if(!floats || (1e-6..=1e6).contains(&f));
-            trials.extend(both(case, format!("f = {f:e}"), expected, move || bar(part, f)));
+            both(rows, (case, format!("f = {f:e}")), expected, move || bar(part, f));
         }
     }
     for f in [1e-9, 1e-6, 1e6, 1e9] {
         let case = "E × f in 5 % of the elements, at random";
         let random = move || scattered(f, seed);
-        trials.extend(both(case, format!("f = {f:e}"), Expected::Either, random));
+        both(rows, (case, format!("f = {f:e}")), Expected::Either, random);
     }
     let case = "a rigid body (RBE2) for the stiff part";
-    trials.extend(both(case, "free half", Expected::Result, || rigid(Part::Free)));
-    trials.extend(both(case, "middle half", Expected::Result, || rigid(Part::Middle)));
-    trials
+    both(rows, (case, "free half"), Expected::Result, || rigid(Part::Free));
+    both(rows, (case, "middle half"), Expected::Result, || rigid(Part::Middle));
 }
 
 fn mesh() -> Result<Tet10Mesh, VerifyError> {
@@ -98,7 +95,7 @@ fn bar(part: Part, f: f64) -> Result<Block, VerifyError> {
 fn rigid(part: Part) -> Result<Block, VerifyError> {
     let mesh = mesh()?;
     let [from, to] = part.range();
-    let nodes = nodes_where(mesh.nodes(), |p| from <= p.x && p.x <= to);
+    let nodes = mesh.nodes_where(|p| from <= p.x && p.x <= to);
     let mut block = Block::clamped(mesh, material(E_PA, 0.0)?, field(part, 0.0));
     block.params.supports =
         Supports { rigid_bodies: vec![RigidBody { nodes }], ..Supports::default() };

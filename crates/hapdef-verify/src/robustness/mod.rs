@@ -13,20 +13,32 @@ mod solid;
 mod solids;
 mod table;
 
-use hapdef_report::robustness::Row;
-
 pub(crate) use field::{bend, material, uniform};
 pub(crate) use solid::{Block, grid, turn, wobble};
-pub use table::ROBUSTNESS_TABLE;
+pub use table::{ROBUSTNESS_TABLE, RobustnessTrials};
 
-use crate::VerifyError;
+/// Every row of docs/stability-fe.md in its order; `seed` draws the scattered jumps.
+pub fn robustness_trials(seed: u64) -> RobustnessTrials {
+    let mut rows = RobustnessTrials::new(());
+    solids::add(&mut rows);
+    jumps::add(&mut rows, seed);
+    shells::add(&mut rows);
+    refusals::add(&mut rows);
+    rows
+}
 
-/// Solves every row of docs/stability-fe.md in its order; `seed` draws the scattered jumps. Each
-/// row goes to `progress` as it comes.
-///
-/// # Errors
-/// [`VerifyError::Setup`] and [`VerifyError::NotRun`] if a row's own set-up is broken.
-pub fn robustness_rows(seed: u64, progress: impl FnMut(&Row)) -> Result<Vec<Row>, VerifyError> {
-    let trials = [solids::trials(), jumps::trials(seed), shells::trials(), refusals::trials()];
-    ROBUSTNESS_TABLE.rows(trials.into_iter().flatten(), table::refusal, progress)
+#[cfg(test)]
+mod tests {
+    use hapdef_bench::robustness::Row;
+
+    use super::*;
+
+    /// Whichever elements are stiff.
+    #[test]
+    fn no_row_is_silently_wrong() {
+        let rows = ROBUSTNESS_TABLE.rows(robustness_trials(3), |row| println!("{}", row.line()));
+        let failed: Vec<String> = rows.iter().filter(|row| row.failed).map(Row::line).collect();
+        assert!(rows.len() > 150, "{} rows", rows.len());
+        assert!(failed.is_empty(), "{failed:#?}");
+    }
 }

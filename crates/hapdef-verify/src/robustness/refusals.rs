@@ -1,17 +1,16 @@
 //! Problems without a solution, which must be refused with their cause; and their neighbours that
 //! have one.
 
+use hapdef_bench::robustness::{Expected, Measured};
 use hapdef_mesh::{FeNodeId, Tet10Mesh};
-use hapdef_report::robustness::{Expected, Measured};
 use hapdef_sim::{ElasticModel, ElasticParams, NodalLoad, ShellMesh, ShellParams, SolverChoice};
 use nalgebra::{Point3, Vector3};
 
 use super::field::material;
 use super::solid::grid;
 use super::solids::{paths, pushed};
-use super::table::{Trial, measured, trial};
+use super::table::{RobustnessTrials, add as add_row, measured};
 use crate::VerifyError;
-use crate::meshes::nodes_where;
 
 type Make = fn(SolverChoice) -> Result<Measured, VerifyError>;
 
@@ -67,12 +66,11 @@ const BAD_INPUT: [Refused; 5] = [
 ];
 
 /// Rows of refusals.
-pub(super) fn trials() -> Vec<Trial> {
-    let mut trials = Vec::new();
+pub(super) fn add(rows: &mut RobustnessTrials) {
     for (case, extreme, kind, words, run) in HELD_BADLY.into_iter().chain(BAD_INPUT) {
         for (path, solver) in paths() {
             let expected = Expected::Refusal { kind, words };
-            trials.push(trial((case, extreme), path, expected, move || run(solver)));
+            add_row(rows, (case, extreme), path, expected, move || run(solver));
         }
     }
     let shells: [(_, _, _, _, fn() -> _); 3] = [
@@ -82,10 +80,9 @@ pub(super) fn trials() -> Vec<Trial> {
             square([0.5, 0.5], &[0])
         }),
     ];
-    trials.extend(shells.map(|(case, extreme, kind, words, run)| {
-        trial((case, extreme), "shell", Expected::Refusal { kind, words }, run)
-    }));
-    trials
+    for (case, extreme, kind, words, run) in shells {
+        add_row(rows, (case, extreme), "shell", Expected::Refusal { kind, words }, run);
+    }
 }
 
 fn cube() -> Result<Tet10Mesh, VerifyError> {
@@ -112,7 +109,7 @@ fn pulled(
     force: Vector3<f64>,
     solver: SolverChoice,
 ) -> Result<Measured, VerifyError> {
-    let params = ElasticParams::new(material(2e9, 0.3)?, nodes_where(mesh.nodes(), take));
+    let params = ElasticParams::new(material(2e9, 0.3)?, mesh.nodes_where(take));
     let model = ElasticModel::build(mesh, &ElasticParams { solver, ..params })?;
     let last = FeNodeId::from_index(mesh.nodes().len() - 1);
     let (_, info) = model.solve(&NodalLoad::nodal(last, force))?;

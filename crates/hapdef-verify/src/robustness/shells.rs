@@ -1,15 +1,15 @@
 //! Shells whose thickness, size, material or load is extreme: a flat plate, turned in space, in
 //! cylindrical bending, which flat triangles meet exactly.
 
+use hapdef_bench::robustness::{Expected, Measured};
 use hapdef_mesh::FeNodeId;
-use hapdef_report::robustness::{Expected, Measured};
 use hapdef_sim::{ElasticModel, Hold, NodalLoad, ShellKind, ShellParams};
 use nalgebra::{Point3, Vector3};
 
 use super::field::material;
 use super::solid::{hold, relative_error, turn};
 use super::solids::{result_if, wide};
-use super::table::{Trial, measured, trial};
+use super::table::{RobustnessTrials, add as add_row, measured};
 use crate::VerifyError;
 use crate::meshes::{Pattern, Triangles, grid as cells};
 
@@ -79,14 +79,14 @@ const SWEEPS: [Sweep; 7] = [
 ];
 
 /// Rows of shells.
-pub(super) fn trials() -> Vec<Trial> {
-    let sweep = |(case, values, words, expected, plate): Sweep| {
-        values.iter().map(move |&value| {
+pub(super) fn add(rows: &mut RobustnessTrials) {
+    for (case, values, words, expected, plate) in SWEEPS {
+        for &value in values {
             let plate = plate(value);
-            trial((case, words(value)), "shell", expected(value), move || plate.measure())
-        })
-    };
-    SWEEPS.into_iter().flat_map(sweep).collect()
+            let extreme = (case, words(value));
+            add_row(rows, extreme, "shell", expected(value), move || plate.measure());
+        }
+    }
 }
 
 impl Plate {

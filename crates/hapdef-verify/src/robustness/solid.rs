@@ -2,15 +2,15 @@
 
 use std::collections::BTreeMap;
 
+use hapdef_bench::robustness::Measured;
 use hapdef_mesh::{FeNodeId, TET10_FACES, Tet10Mesh, tri6};
-use hapdef_report::robustness::Measured;
 use hapdef_sim::{ElasticModel, ElasticParams, HeldMotion, Hold, IsotropicMaterial, NodalLoad};
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
 use super::field::Field;
 use super::table::measured;
 use crate::VerifyError;
-use crate::meshes::{Blocks, moved, nodes_where};
+use crate::meshes::{Blocks, moved};
 
 /// A mesh in its own axes, its supports and its load; solved turned in space, so that no coordinate
 /// is a round number.
@@ -61,7 +61,7 @@ impl Block {
         size: [f64; 3],
         field: Field,
     ) -> Self {
-        let at = |x: [f64; 3]| nodes_where(mesh.nodes(), |p| *p == Point3::from(x));
+        let at = |x: [f64; 3]| mesh.nodes_where(|p| *p == Point3::from(x));
         let [lx, ly, _] = size;
         let held = [([lx, 0.0, 0.0], 1), ([lx, 0.0, 0.0], 2), ([0.0, ly, 0.0], 2)];
         let mut params = ElasticParams::new(material, at([0.0; 3]));
@@ -71,7 +71,7 @@ impl Block {
 
     /// A block clamped at x = 0.
     pub(crate) fn clamped(mesh: Tet10Mesh, material: IsotropicMaterial, field: Field) -> Self {
-        let clamped = nodes_where(mesh.nodes(), |p| p.x == 0.0);
+        let clamped = mesh.nodes_where(|p| p.x == 0.0);
         Self { params: ElasticParams::new(material, clamped), mesh, field, load_scale: 1.0 }
     }
 

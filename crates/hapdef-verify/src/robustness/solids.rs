@@ -1,13 +1,13 @@
 //! Solids whose shape, stiffness, size or load is extreme.
 
+use hapdef_bench::robustness::Expected;
 use hapdef_mesh::{FeNodeId, Tet10Mesh};
-use hapdef_report::robustness::Expected;
 use hapdef_sim::{IterativeParams, MultigridParams, SolverChoice};
 use nalgebra::{Point3, Vector3};
 
 use super::field::{bend, material, stretch};
 use super::solid::{Block, grid, wobble};
-use super::table::{Trial, trial};
+use super::table::{RobustnessTrials, add as add_row};
 use crate::VerifyError;
 use crate::meshes::{moved, straight};
 
@@ -22,23 +22,22 @@ pub(super) fn paths() -> [(&'static str, SolverChoice); 2] {
     [("direct", SolverChoice::Direct), ("iterative", SolverChoice::Iterative(iterative))]
 }
 
-/// A trial of `make` on both solvers.
+/// Rows of `make` on both solvers.
 pub(super) fn both(
-    case: &'static str,
-    extreme: impl Into<String>,
+    rows: &mut RobustnessTrials,
+    (case, extreme): (&'static str, impl Into<String>),
     expected: Expected,
     make: impl Fn() -> Result<Block, VerifyError> + Clone + 'static,
-) -> Vec<Trial> {
+) {
     let extreme = extreme.into();
-    let on = |(path, solver): (_, SolverChoice)| {
+    for (path, solver) in paths() {
         let make = make.clone();
-        trial((case, extreme.clone()), path, expected, move || {
+        add_row(rows, (case, extreme.clone()), path, expected, move || {
             let mut block = make()?;
             block.params.solver = solver;
             block.measure()
-        })
-    };
-    paths().into_iter().map(on).collect()
+        });
+    }
 }
 
 /// Values of what is extreme, their words, where a result must come, and the cases that are tried at
@@ -85,17 +84,15 @@ const SWEEPS: &[Sweep] = &[
 ];
 
 /// Rows of solids: thin plates and slivers; materials, sizes and loads.
-pub(super) fn trials() -> Vec<Trial> {
-    let mut trials = Vec::new();
+pub(super) fn add(rows: &mut RobustnessTrials) {
     for &(values, words, is_tame, cases) in SWEEPS {
         for &value in values {
             for &(case, make) in cases {
                 let expected = result_if(is_tame(value));
-                trials.extend(both(case, words(value), expected, move || make(value)));
+                both(rows, (case, words(value)), expected, move || make(value));
             }
         }
     }
-    trials
 }
 
 /// A size of whole µm, mm, m or km.

@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use hapdef_bench::stats;
 use hapdef_live::{LiveFrame, TouchPhase, UnknownReason};
 use hapdef_rig::live::TrueContact;
 use nalgebra::Point3;
@@ -170,9 +171,7 @@ impl Display for Seen {
 impl Lags {
     /// Median and 99 %.
     pub(crate) fn quantiles(&self) -> [f64; 2] {
-        let mut sorted = self.0.clone();
-        sorted.sort_unstable_by(f64::total_cmp);
-        let at = |q: f64| sorted.get((q * sorted.len().saturating_sub(1) as f64).round() as usize);
-        [0.5, 0.99].map(|q| at(q).copied().unwrap_or(f64::NAN))
+        let rising = stats::sorted(self.0.iter().copied());
+        [0.5, 0.99].map(|q| stats::quantile(&rising, q))
     }
 }

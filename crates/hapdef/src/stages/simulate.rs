@@ -2,6 +2,7 @@
 
 use hapdef_bench::stats;
 use hapdef_mesh::GaugeId;
+use hapdef_report::peak_rss_gib;
 use hapdef_sim::{LinearFunctional, NodalLoad};
 use serde_json::json;
 
@@ -99,12 +100,4 @@ fn median_best_gauge(
             .fold(0.0_f64, f64::max)
     };
     stats::median(loads.iter().map(best))
-}
-
-/// Most memory the process has held so far, GiB; none where the system does not tell.
-fn peak_rss_gib() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kib: f64 = line.split_whitespace().next()?.parse().ok()?;
-    Some(kib / f64::from(1 << 20))
 }

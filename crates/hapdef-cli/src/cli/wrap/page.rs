@@ -5,11 +5,11 @@ use std::path::Path;
 use anyhow::Result;
 use hapdef_cli::shown;
 use hapdef_mesh::{MeshError, SurfaceMesh, WrapPlaces, Wrapped};
-use hapdef_report::{Block, LimbMap, LimbView, Page};
+use hapdef_report::{Block, LimbMap, LimbView, Page, text_table};
 use nalgebra::{Point3, Vector3};
 
 use super::{Given, lines};
-use crate::cli::pages::{fact, table};
+use crate::cli::pages::fact;
 
 /// Places of each kind that are drawn.
 const MOST_DOTS: usize = 3000;
@@ -32,8 +32,10 @@ pub(super) fn write(
             let text = "The skin is faithful.".to_owned();
             let rows = lines(wrapped, given.wall_m);
             let rows = rows.into_iter().map(|(name, text)| [name.to_owned(), text]);
-            let blocks =
-                vec![Block::Verdict { text, warns: false }, Block::Table(table(["", ""], rows))];
+            let blocks = vec![
+                Block::Verdict { text, warns: false },
+                Block::Table(text_table(["", ""], rows)),
+            ];
             (&wrapped.skin, Some(&wrapped.info.places), blocks)
         }
         Err(error) => {

@@ -1,12 +1,11 @@
 //! Calibration from too few, too bad and badly placed presses.
 
-use std::sync::Arc;
-
+use hapdef_bench::robustness::MustHold;
 use hapdef_inverse::{Calibrated, CalibrationParams, Press, ResponseMap};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::super::table::{MustHold, Rows};
+use super::super::table::Trials;
 use super::world::{InverseWorld, SD, add_noise};
 use crate::error::ReproError;
 
@@ -15,7 +14,7 @@ const STATED: MustHold = ("map error over the larger of that before and the stat
 /// Makes presses worse.
 type Spoil = fn(&InverseWorld, &mut [Press], &mut ChaCha8Rng);
 
-pub(super) fn add(rows: &mut Rows<Arc<InverseWorld>>) {
+pub(super) fn add(rows: &mut Trials<InverseWorld>) {
     let spoilt: [(&str, usize, f64, Spoil); 9] = [
         ("150 good presses", 150, 0.0, |_, _, _| ()),
         ("the fewest presses, 2 per gauge", 20, 0.0, |_, _, _| ()),
@@ -45,7 +44,7 @@ pub(super) fn add(rows: &mut Rows<Arc<InverseWorld>>) {
     refusals(rows);
 }
 
-fn refusals(rows: &mut Rows<Arc<InverseWorld>>) {
+fn refusals(rows: &mut Trials<InverseWorld>) {
     let spoilt: [(&str, &'static str, usize, Spoil); 5] = [
         ("one press", "1 usable presses", 1, |_, _, _| ()),
         ("all presses in one spot", "within", 60, |w, presses, _| {

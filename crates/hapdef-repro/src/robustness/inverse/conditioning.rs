@@ -1,9 +1,10 @@
 //! Channels that saturate, die or give no number.
 
+use hapdef_bench::robustness::MustHold;
 use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, TouchPhase};
 
-use super::super::table::{MustHold, Rows};
-use super::world::{add_noise, rng};
+use super::super::table::Trials;
+use super::world::{InverseWorld, add_noise};
 use crate::error::ReproError;
 
 const N: usize = 10;
@@ -17,7 +18,7 @@ const N_FRAMES: usize = 3000;
 /// What becomes of gauge `.1`'s value in frame `.0`; `None` where nothing.
 type Fault = fn(usize, usize) -> Option<f64>;
 
-pub(super) fn add(rows: &mut Rows<u64>) {
+pub(super) fn add(rows: &mut Trials<InverseWorld>) {
     let of: [(&str, f64, Fault); 11] = [
         ("no fault", 1.0, |_, _| None),
         ("noise assumed 10 × too small", 0.1, |_, _| None),
@@ -40,17 +41,17 @@ pub(super) fn add(rows: &mut Rows<u64>) {
         ("one gauge NaN from the start", 1.0, |_, g| (g == 2).then_some(f64::NAN)),
     ];
     for (extreme, assumed, fault) in of {
-        rows.either(extreme, KEPT, move |seed| Ok(play(*seed, assumed, fault)?.0));
+        rows.either(extreme, KEPT, move |w| Ok(play(w, assumed, fault)?.0));
     }
     // converters that hang
     let extreme = "all gauges repeat their values from frame 500 on";
-    rows.either(extreme, ("gauges that are still live", 0.0), |seed| {
-        let (_, out) = play(*seed, 1.0, |i, _| (i >= 500).then_some(3.0))?;
+    rows.either(extreme, ("gauges that are still live", 0.0), |w| {
+        let (_, out) = play(w, 1.0, |i, _| (i >= 500).then_some(3.0))?;
         Ok(out.live.iter().filter(|live| **live).count() as f64)
     });
     // beyond any converter, without declared limits: refused or masked, never passed on
-    rows.either("one gauge at 1e300", ("readings that are not finite", 0.0), |seed| {
-        let (_, out) = play(*seed, 1.0, |i, g| (i >= 500 && g == 2).then_some(1e300))?;
+    rows.either("one gauge at 1e300", ("readings that are not finite", 0.0), |w| {
+        let (_, out) = play(w, 1.0, |i, g| (i >= 500 && g == 2).then_some(1e300))?;
         let numbers = out.readings.iter().chain(&out.baseline_sd);
         Ok(numbers.filter(|v| !v.is_finite()).count() as f64)
     });
@@ -58,14 +59,18 @@ pub(super) fn add(rows: &mut Rows<u64>) {
 
 /// Three seconds, touched after the first: what live gauges miss of the contact on average over the
 /// last half second, infinite where a bad gauge is live; and the last frame.
-fn play(seed: u64, assumed: f64, fault: Fault) -> Result<(f64, Conditioned), ReproError> {
+fn play(
+    world: &InverseWorld,
+    assumed: f64,
+    fault: Fault,
+) -> Result<(f64, Conditioned), ReproError> {
     let params = ConditionerParams {
         rails: vec![(-500.0, 500.0); N],
         ..ConditionerParams::new(vec![assumed; N], PERIOD_S)
     };
     let mut conditioner = Conditioner::new(params)?;
     let mut out = conditioner.output();
-    let (mut rng, mut sums) = (rng(71, seed), vec![0.0; N]);
+    let (mut rng, mut sums) = (world.rng(71), vec![0.0; N]);
     for index in 0..N_FRAMES {
         let signal = |g: usize| {
             let contact = if index < TOUCHED { 0.0 } else { contact(g) };

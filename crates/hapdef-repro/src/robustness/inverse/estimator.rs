@@ -1,10 +1,9 @@
 //! Contacts in bad places, of bad sizes, in bad frames.
 
-use std::sync::Arc;
-
+use hapdef_bench::robustness::MustHold;
 use hapdef_inverse::{ContactEstimate, IfTwo, SkinPoint};
 
-use super::super::table::{MustHold, Rows};
+use super::super::table::Trials;
 use super::world::{
     Answers, InverseWorld, SD, SURE_AND_WRONG, WRONG, add_noise, answers, is_unseen, sure, worst,
     worst_single,
@@ -22,7 +21,7 @@ const N_PAIRS: usize = 24;
 /// No answer on two merging contacts has to be nearer than this to half their gap, m.
 const LEAST_FAR_M: f64 = 3e-3;
 
-pub(super) fn add(rows: &mut Rows<Arc<InverseWorld>>) {
+pub(super) fn add(rows: &mut Trials<InverseWorld>) {
     merging(rows);
     borders(rows);
     forces(rows);
@@ -33,7 +32,7 @@ pub(super) fn add(rows: &mut Rows<Arc<InverseWorld>>) {
 /// Two contacts of 10 and 12 N ever nearer, anywhere and on the rim, where the limb is held included.
 /// Where one explains the readings of two, its answer has to say what it is worth if it is two. A contact
 /// that alone would not be seen at all is not asked for.
-fn merging(rows: &mut Rows<Arc<InverseWorld>>) {
+fn merging(rows: &mut Trials<InverseWorld>) {
     let metrics: [(MustHold, Metric); 2] = [
         (
             (
@@ -152,7 +151,7 @@ fn spread(points: &[SkinPoint]) -> Vec<SkinPoint> {
     points.iter().copied().step_by(stride).collect()
 }
 
-fn borders(rows: &mut Rows<Arc<InverseWorld>>) {
+fn borders(rows: &mut Trials<InverseWorld>) {
     for (extreme, at_clamp) in
         [("20 N on the free rim", false), ("20 N on the clamped border", true)]
     {
@@ -165,7 +164,7 @@ fn borders(rows: &mut Rows<Arc<InverseWorld>>) {
     }
 }
 
-fn forces(rows: &mut Rows<Arc<InverseWorld>>) {
+fn forces(rows: &mut Trials<InverseWorld>) {
     for exponent in -3..=5 {
         rows.either(format!("a force of 1e{exponent} N"), IN_SDS, move |w| {
             worst_single(w, &w.draw(12, 0.0, &mut w.rng(32)), 10.0_f64.powi(exponent))
@@ -173,7 +172,7 @@ fn forces(rows: &mut Rows<Arc<InverseWorld>>) {
     }
 }
 
-fn noises(rows: &mut Rows<Arc<InverseWorld>>) {
+fn noises(rows: &mut Trials<InverseWorld>) {
     type Share = fn(Answers) -> f64;
     // with noise assumed too small hardly any answer is sure, and those by chance
     let assumed: [(_, _, _, Share); 2] = [
@@ -192,7 +191,7 @@ fn noises(rows: &mut Rows<Arc<InverseWorld>>) {
     }
 }
 
-fn bad_readings(rows: &mut Rows<Arc<InverseWorld>>) {
+fn bad_readings(rows: &mut Trials<InverseWorld>) {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
         let (holds, words) = ("the gauge is named", "the reading of gauge 7");
         rows.refused(format!("a reading of {bad:e}"), holds, words, move |w| {

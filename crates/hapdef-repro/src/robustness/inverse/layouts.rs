@@ -1,17 +1,15 @@
 //! Gauges that are the same, dead, blind or of very different gain.
 
-use std::sync::Arc;
-
 use hapdef_inverse::{NoiseParams, SkinPoint};
 
-use super::super::table::Rows;
+use super::super::table::Trials;
 use super::estimator::IN_SDS;
 use super::world::{InverseWorld, SD, WRONG, add_noise, answers, sure, worst, worst_single};
 
 /// Which gauge stands in a gauge's place, and its factor.
 type Layout = fn(usize) -> (usize, f64);
 
-pub(super) fn add(rows: &mut Rows<Arc<InverseWorld>>) {
+pub(super) fn add(rows: &mut Trials<InverseWorld>) {
     let of: [(&str, Layout); 6] = [
         ("every gauge twice", |i| (i / 2, 1.0)),
         ("one gauge, all alike", |_| (0, 1.0)),
@@ -41,7 +39,7 @@ fn gain(gauge: usize) -> f64 {
 }
 
 /// All columns zero: readings of 30 µε are no contact's, and not nothing either.
-fn blind(rows: &mut Rows<Arc<InverseWorld>>) {
+fn blind(rows: &mut Trials<InverseWorld>) {
     let extreme = "all gauges blind, readings of 30 µε";
     rows.refused(extreme, "no answer is sure", "not identifiable", |w| {
         let blind = w.regauged(|i| (i, 0.0))?;
@@ -51,7 +49,7 @@ fn blind(rows: &mut Rows<Arc<InverseWorld>>) {
 }
 
 /// Gains that the noise has, too, change nothing.
-fn gains(rows: &mut Rows<Arc<InverseWorld>>) {
+fn gains(rows: &mut Trials<InverseWorld>) {
     let holds = ("mm that the answer differs from that with gains of 1", 1e-3);
     rows.accurate("gains 1e-6 … 1e6, noise alike; 20 N", holds, |w| {
         let changed = w.regauged(|i| (i, gain(i)))?;
@@ -80,7 +78,7 @@ fn gains(rows: &mut Rows<Arc<InverseWorld>>) {
     });
 }
 
-fn dead(rows: &mut Rows<Arc<InverseWorld>>) {
+fn dead(rows: &mut Trials<InverseWorld>) {
     for n_live in [3, 4, 6] {
         rows.either(format!("all gauges but {n_live} dead; 20 N"), WRONG, move |w| {
             let live: Vec<bool> = (0..w.n()).map(|i| i < n_live).collect();

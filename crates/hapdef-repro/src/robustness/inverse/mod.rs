@@ -7,29 +7,17 @@ mod layouts;
 mod tracker;
 mod world;
 
-use std::sync::Arc;
-
 pub use world::InverseWorld;
 
-use super::table::{Rows, Trial};
+use super::table::Trials;
 
-/// Every row, in the table's order.
-pub(super) fn trials(world: &Arc<InverseWorld>) -> Vec<Trial> {
-    let on = |case, add: fn(&mut Rows<Arc<InverseWorld>>)| {
-        let mut rows = Rows::new(case, world.clone());
-        add(&mut rows);
-        rows.into_trials()
-    };
-    let mut conditioning = Rows::new("conditioning", world.seed());
-    conditioning::add(&mut conditioning);
-    [
-        on("estimator", estimator::add),
-        on("estimator", layouts::add),
-        on("tracker", tracker::add),
-        on("calibration", calibration::add),
-        conditioning.into_trials(),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+/// Every row of docs/stability-inverse.md, in its order.
+pub fn trials(world: &InverseWorld) -> Trials<InverseWorld> {
+    let mut rows = Trials::new(world.clone());
+    estimator::add(rows.of("estimator"));
+    layouts::add(&mut rows);
+    tracker::add(rows.of("tracker"));
+    calibration::add(rows.of("calibration"));
+    conditioning::add(rows.of("conditioning"));
+    rows
 }

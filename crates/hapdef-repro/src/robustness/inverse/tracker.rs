@@ -1,13 +1,12 @@
 //! A tracker fed with what no contact makes.
 
-use std::sync::Arc;
-
+use hapdef_bench::robustness::MustHold;
 use hapdef_inverse::{
     ContactTracker, SearchOutcome, Searcher, TrackedFrame, TrackerParams, Verdict,
 };
 use rand::RngExt;
 
-use super::super::table::{MustHold, Rows};
+use super::super::table::Trials;
 use super::world::{InverseWorld, SD, add_noise};
 use crate::error::ReproError;
 
@@ -16,7 +15,7 @@ const FOUND: MustHold = ("mm from a held contact to the one found", 10.0);
 /// What becomes of a frame, by its index.
 type Change = fn(usize, &mut [f64]);
 
-pub(super) fn add(rows: &mut Rows<Arc<InverseWorld>>) {
+pub(super) fn add(rows: &mut Trials<InverseWorld>) {
     let nothing: Change = |_, _| ();
     let plays: [(&str, f64, f64, Change); 9] = [
         ("20 N, nothing else", SD, 20.0, nothing),
@@ -49,6 +48,13 @@ pub(super) fn add(rows: &mut Rows<Arc<InverseWorld>>) {
     refusals(rows);
 }
 
+/// A tracker that assumes noise of this deviation, and what searches for it.
+fn started(world: &InverseWorld, assumed: f64) -> Result<(Searcher, ContactTracker), ReproError> {
+    let (estimator, params) = (world.estimator(assumed)?, TrackerParams::default());
+    let tracker = ContactTracker::new(&estimator, params)?;
+    Ok((Searcher::for_tracker(estimator, params)?, tracker))
+}
+
 /// Feeds a frame and does the search that is asked for.
 fn step(
     searcher: &mut Searcher,
@@ -75,9 +81,7 @@ fn held(
     force_n: f64,
     change: Change,
 ) -> Result<f64, ReproError> {
-    let estimator = world.estimator(assumed)?;
-    let mut searcher = Searcher::for_tracker(estimator.clone(), TrackerParams::default())?;
-    let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
+    let (mut searcher, mut tracker) = started(world, assumed)?;
     let mut rng = world.rng(51);
     let point = world.draw(1, 0.0, &mut rng)[0];
     for index in 0..2000 {
@@ -99,13 +103,11 @@ fn held(
 }
 
 /// Nothing touches.
-fn quiet(rows: &mut Rows<Arc<InverseWorld>>) {
+fn quiet(rows: &mut Trials<InverseWorld>) {
     for (words, assumed) in [("right", 1.0), ("10 × too large", 10.0), ("10 × too small", 0.1)] {
         let holds = ("at most 1 % of the frames have a contact and are sure", 0.01);
         rows.either(format!("nothing touches, noise assumed {words}"), holds, move |w| {
-            let estimator = w.estimator(assumed * SD)?;
-            let mut searcher = Searcher::for_tracker(estimator.clone(), TrackerParams::default())?;
-            let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
+            let (mut searcher, mut tracker) = started(w, assumed * SD)?;
             let (mut rng, mut n_wrong) = (w.rng(52), 0);
             for _ in 0..2000 {
                 let mut y = vec![0.0; w.n()];
@@ -120,12 +122,10 @@ fn quiet(rows: &mut Rows<Arc<InverseWorld>>) {
 }
 
 /// Noise whose size jumps by up to twelve decades.
-fn garbage(rows: &mut Rows<Arc<InverseWorld>>) {
+fn garbage(rows: &mut Trials<InverseWorld>) {
     let holds = ("numbers are finite; work of a frame over what is allowed", 1.0);
     rows.accurate("noise of 1e-3 … 1e9, another size every 97 frames", holds, |w| {
-        let estimator = w.estimator(SD)?;
-        let params = TrackerParams::default();
-        let mut tracker = ContactTracker::new(&estimator, params)?;
+        let (_, mut tracker) = started(w, SD)?;
         let (mut rng, mut size, mut most) = (w.rng(53), 1.0, 0);
         for index in 0..4000 {
             if index % 97 == 0 {
@@ -140,7 +140,7 @@ fn garbage(rows: &mut Rows<Arc<InverseWorld>>) {
             let info = &found.info;
             most = most.max(info.n_trials + info.n_pair_rows + 8 * info.n_scans);
         }
-        Ok(most as f64 / params.steps_per_frame as f64)
+        Ok(most as f64 / TrackerParams::default().steps_per_frame as f64)
     });
 }
 
@@ -152,11 +152,10 @@ fn is_finite(found: &TrackedFrame) -> bool {
     contacts && found.residual.iter().all(|r| r.is_finite()) && !found.chi2.is_nan()
 }
 
-fn refusals(rows: &mut Rows<Arc<InverseWorld>>) {
+fn refusals(rows: &mut Trials<InverseWorld>) {
     for (extreme, n_live) in [("a frame of NaN", 0), ("a frame with two gauges", 2)] {
         rows.refused(extreme, "the frame is refused", "gauges are alive", move |w| {
-            let estimator = w.estimator(SD)?;
-            let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
+            let (_, mut tracker) = started(w, SD)?;
             let mut y = vec![0.0; w.n()];
             y[n_live..].fill(f64::NAN);
             tracker.step(&y, None)?;
@@ -164,8 +163,7 @@ fn refusals(rows: &mut Rows<Arc<InverseWorld>>) {
         });
     }
     rows.either("a reading of 1e300", ("refused, or all numbers finite", 0.0), |w| {
-        let estimator = w.estimator(SD)?;
-        let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
+        let (_, mut tracker) = started(w, SD)?;
         let mut n_bad = 0;
         for index in 0..500 {
             let mut y = vec![0.0; w.n()];

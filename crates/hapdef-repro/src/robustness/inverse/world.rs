@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use hapdef_bench::robustness::MustHold;
 use hapdef_inverse::{
     AtWall, ContactEstimate, ContactEstimator, EstimatorParams, InverseError, NoiseParams,
     ResponseMap, ScanSites, SkinPoint, Verdict,
@@ -12,7 +13,6 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::super::table::MustHold;
 use crate::error::ReproError;
 
 const N_SITES: usize = 400;
@@ -34,7 +34,7 @@ const FINE_M: f64 = 2e-4;
 pub struct InverseWorld {
     pub(super) map: Arc<ResponseMap>,
     pub(super) sites: Arc<ScanSites>,
-    clamped_m: Vec<Point3<f64>>,
+    clamped_m: Arc<[Point3<f64>]>,
     seed: u64,
 }
 
@@ -42,7 +42,7 @@ impl InverseWorld {
     /// A limb with its response, µε/N, the places where it is held, m, and the seed of what rows draw.
     pub fn new(
         map: ResponseMap,
-        clamped_m: Vec<Point3<f64>>,
+        clamped_m: Arc<[Point3<f64>]>,
         seed: u64,
     ) -> Result<Self, ReproError> {
         let sites = ScanSites::farthest(map.skin(), N_SITES)?;
@@ -85,13 +85,9 @@ impl InverseWorld {
         ContactEstimator::new(self.map.clone(), self.sites.clone(), noise, params)
     }
 
-    pub(super) fn seed(&self) -> u64 {
-        self.seed
-    }
-
     /// A row's own stream.
     pub(super) fn rng(&self, row: u64) -> ChaCha8Rng {
-        rng(row, self.seed)
+        ChaCha8Rng::seed_from_u64(self.seed.wrapping_add(row))
     }
 
     /// Readings of the map itself, without noise.
@@ -174,11 +170,6 @@ impl InverseWorld {
     }
 }
 
-/// A row's own stream.
-pub(super) fn rng(row: u64, seed: u64) -> ChaCha8Rng {
-    ChaCha8Rng::seed_from_u64(seed.wrapping_add(row))
-}
-
 pub(super) fn add_noise(y: &mut [f64], sd: f64, rng: &mut ChaCha8Rng) {
     for y in y {
         let n: f64 = StandardNormal.sample(rng);
@@ -255,32 +246,23 @@ pub(super) const SURE_AND_WRONG: MustHold =
     ("at most 1 % of the frames are sure and wrong in count or by over 10 mm", 0.01);
 
 /// Answers to frames of contacts.
-#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Answers {
     n: usize,
     n_sure: usize,
-    /// Sure, with another count than the truth's or with a contact that is not where it is found.
-    n_wrong: usize,
-    /// With a value that is not a number.
-    n_broken: usize,
+    /// Sure, with another count than the truth's or with a contact that is not where it is found; no
+    /// number where an answer has one that is none.
+    n_wrong: f64,
 }
 
 impl Answers {
-    /// Part of the sure answers that is wrong; no number where an answer has one that is none.
+    /// Part of the sure answers that is wrong.
     pub(super) fn wrong_share(self) -> f64 {
-        self.wrong_of(self.n_sure)
+        self.n_wrong / self.n_sure.max(1) as f64
     }
 
-    /// Part of the frames whose answer is sure and wrong; no number as above.
+    /// Part of the frames whose answer is sure and wrong.
     pub(super) fn sure_and_wrong_share(self) -> f64 {
-        self.wrong_of(self.n)
-    }
-
-    fn wrong_of(self, n: usize) -> f64 {
-        match self.n_broken {
-            0 => self.n_wrong as f64 / n.max(1) as f64,
-            _ => f64::NAN,
-        }
+        self.n_wrong / self.n.max(1) as f64
     }
 }
 
@@ -290,24 +272,17 @@ pub(super) fn answers(
     estimator: &ContactEstimator,
     frames: impl Iterator<Item = (Vec<SkinPoint>, Vec<f64>)>,
 ) -> Result<Answers, ReproError> {
-    let (mut answers, mut refused) = (Answers::default(), None);
-    for (truth, y) in frames {
-        answers.n += 1;
-        match sure(estimator, &y) {
-            Ok(Some(found)) => {
-                let is_missed = found.contacts.is_empty() && is_unseen(&y);
-                answers.n_sure += 1;
-                answers.n_wrong += usize::from(!is_missed && !is_right(world, &truth, &found));
-            }
-            Ok(None) => answers.n_broken += 1,
-            Err(why @ ReproError::NotIdentifiable { .. }) => refused = Some(why),
-            Err(error) => return Err(error),
-        }
-    }
-    match refused {
-        Some(why) if answers.n_sure + answers.n_broken == 0 => Err(why),
-        _ => Ok(answers),
-    }
+    let mut n = 0;
+    let wrong = sure_ones(frames.map(|(truth, y)| {
+        n += 1;
+        let Some(found) = sure(estimator, &y)? else {
+            return Ok(f64::NAN);
+        };
+        let is_missed = found.contacts.is_empty() && is_unseen(&y);
+        let is_wrong = !is_missed && !is_right(world, &truth, &found);
+        Ok(f64::from(u8::from(is_wrong)))
+    }))?;
+    Ok(Answers { n, n_sure: wrong.len(), n_wrong: wrong.iter().sum() })
 }
 
 fn is_right(world: &InverseWorld, truth: &[SkinPoint], found: &ContactEstimate) -> bool {
@@ -320,24 +295,28 @@ fn is_right(world: &InverseWorld, truth: &[SkinPoint], found: &ContactEstimate) 
     found.contacts.len() == truth.len() && truth.iter().all(is_near)
 }
 
-/// The worst of the sure metrics; where none is sure, the reason.
+/// The worst of the sure metrics, one that is no number before any; where none is sure, the reason.
 pub(super) fn worst(
     metrics: impl Iterator<Item = Result<f64, ReproError>>,
 ) -> Result<f64, ReproError> {
-    let (mut worst, mut refused): (Option<f64>, _) = (None, None);
-    for metric in metrics {
-        match metric {
-            Ok(metric) => {
-                let is_worse = worst.is_none_or(|w| metric.is_nan() || metric > w);
-                worst = if is_worse { Some(metric) } else { worst };
-            }
+    let worse = |worst: f64, metric: f64| {
+        if metric.is_nan() || metric > worst { metric } else { worst }
+    };
+    Ok(sure_ones(metrics)?.into_iter().reduce(worse).unwrap_or(f64::NAN))
+}
+
+/// What is sure; where nothing is, the reason.
+fn sure_ones(all: impl Iterator<Item = Result<f64, ReproError>>) -> Result<Vec<f64>, ReproError> {
+    let (mut sure, mut refused) = (Vec::new(), None);
+    for one in all {
+        match one {
+            Ok(one) => sure.push(one),
             Err(why @ ReproError::NotIdentifiable { .. }) => refused = Some(why),
             Err(error) => return Err(error),
         }
     }
-    match (worst, refused) {
-        (Some(worst), _) => Ok(worst),
-        (None, Some(why)) => Err(why),
-        (None, None) => Ok(f64::NAN),
+    match refused {
+        Some(why) if sure.is_empty() => Err(why),
+        _ => Ok(sure),
     }
 }

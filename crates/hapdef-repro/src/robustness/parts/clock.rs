@@ -5,7 +5,7 @@ use hapdef_daq::clock::ClockMap;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::robustness::table::{Rows, Trial};
+use crate::robustness::table::Trials;
 
 /// Frames at 1 kHz, and those after which the map should have settled.
 const N_FRAMES: u64 = 40_000;
@@ -27,7 +27,7 @@ struct World {
 const PLAIN: World =
     World { drift_ppm: 0.0, jitter_ns: 1_000_000, device_0_us: 0, jump: (u64::MAX, 0) };
 
-pub(super) fn trials(seed: u64) -> Vec<Trial> {
+pub(super) fn add(rows: &mut Trials<u64>) {
     let worlds: [(&str, World); 8] = [
         ("the device runs 500 ppm fast", World { drift_ppm: 500.0, ..PLAIN }),
         ("the device runs 500 ppm slow", World { drift_ppm: -500.0, ..PLAIN }),
@@ -38,14 +38,12 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
         ("the device's time jumps an hour ahead", World { jump: (5000, 3_600_000_000), ..PLAIN }),
         ("the device's time jumps 3 s back", World { jump: (5000, -3_000_000), ..PLAIN }),
     ];
-    let mut rows = Rows::new("clock", seed);
     for (extreme, world) in worlds {
         let error = ("µs from the true time of a frame, 99 %, once settled", 500.0);
         let order = ("frames whose time goes back", 0.0);
         rows.accurate(extreme, error, move |seed| Ok(world.measured(*seed).0));
         rows.accurate(extreme, order, move |seed| Ok(world.measured(*seed).1));
     }
-    rows.into_trials()
 }
 
 impl World {

@@ -6,7 +6,7 @@ use hapdef::{ComplianceTable, DrawnContact};
 
 use super::{in_folder, keep_share};
 use crate::error::ReproError;
-use crate::robustness::table::{Rows, Trial};
+use crate::robustness::table::Trials;
 
 /// Surface nodes; there is a virtual gauge besides.
 const N: usize = 5;
@@ -17,11 +17,10 @@ const USUAL_M_PER_N: f64 = 1e-5;
 /// The file that rows write.
 const FILE: &str = "compliance.safetensors";
 
-pub(super) fn trials() -> Vec<Trial> {
-    let mut rows = Rows::new("compliance", ());
+pub(super) fn add(rows: &mut Trials<u64>) {
     for size_m_per_n in [1e-30, 1e-12, 1e3] {
         let holds = ("the largest displacement of 10 N read back, relative error", 1e-6);
-        rows.accurate(format!("{size_m_per_n:e} m/N"), holds, move |()| {
+        rows.accurate(format!("{size_m_per_n:e} m/N"), holds, move |_| {
             let back = in_folder(FILE, |path| {
                 table(size_m_per_n).write(path)?;
                 Ok(ComplianceTable::read(path, N)?)
@@ -31,13 +30,13 @@ pub(super) fn trials() -> Vec<Trial> {
     }
     for force_n in [1e-6, 1e6] {
         let holds = ("their displacement, relative error", 1e-6);
-        rows.accurate(format!("two forces of {force_n:e} N"), holds, move |()| {
+        rows.accurate(format!("two forces of {force_n:e} N"), holds, move |_| {
             let table = table(USUAL_M_PER_N);
             Ok(worst_error(&table, USUAL_M_PER_N, &[(0, force_n), (3, force_n)]))
         });
     }
     let holds = ("what the smaller adds to the larger, relative error", 1e-6);
-    rows.accurate("1e6 N and 1e-3 N at one node", holds, |()| {
+    rows.accurate("1e6 N and 1e-3 N at one node", holds, |_| {
         let table = table(USUAL_M_PER_N);
         let [both, large, small] = [&[(2, 1e6), (2, 1e-3)][..], &[(2, 1e6)], &[(2, 1e-3)]]
             .map(|contacts| largest_m(&table, contacts));
@@ -57,7 +56,6 @@ pub(super) fn trials() -> Vec<Trial> {
             })
         }),
     ]);
-    rows.into_trials()
 }
 
 /// Rows `[N, N + 1, 3]`, m/N: no two alike, none beyond `size_m_per_n`.

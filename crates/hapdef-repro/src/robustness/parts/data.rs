@@ -6,7 +6,7 @@ use hapdef_data::{DatasetReader, DatasetWriter, Split, StandardiserFit, TensorSp
 
 use super::{in_folder, keep_share};
 use crate::error::ReproError;
-use crate::robustness::table::{Rows, Trial};
+use crate::robustness::table::Trials;
 
 /// Values at the ends of what 32 bits hold.
 const ENDS: [f32; 8] = [f32::MAX, f32::MIN, f32::MIN_POSITIVE, 1e-45, -1e-45, 0.0, -0.0, 1.0];
@@ -16,10 +16,9 @@ const N_ROWS: usize = 6;
 /// The file that rows write.
 const FILE: &str = "set.safetensors";
 
-pub(super) fn trials() -> Vec<Trial> {
-    let mut rows = Rows::new("dataset", ());
+pub(super) fn add(rows: &mut Trials<u64>) {
     let holds = ("bits that differ when read back", 0.0);
-    rows.accurate("values at the ends of f32", holds, |()| {
+    rows.accurate("values at the ends of f32", holds, |_| {
         let back = in_folder(FILE, |path| {
             write(path, &ENDS)?;
             read(path)
@@ -28,17 +27,16 @@ pub(super) fn trials() -> Vec<Trial> {
         let expected = ENDS.repeat(N_ROWS);
         Ok(expected.iter().zip(&back).filter(|p| differ(*p)).count() as f64)
     });
-    let mut scales = Rows::new("standardiser", ());
     for (extreme, mean, size) in [
         ("a column at 1e6 that varies by 1", 1e6, 1.0),
         ("a column of 1e-30", 0.0, 1e-30),
         ("a column of 1e30", 0.0, 1e30),
     ] {
         let holds = ("the deviation, relative error", 1e-3);
-        scales.accurate(extreme, holds, move |()| deviation_error(mean, size));
+        let error = move |_: &_| deviation_error(mean, size);
+        rows.of("standardiser").accurate(extreme, holds, error);
     }
-    let mut refusals = Rows::new("dataset", ());
-    refusals.all_refused([
+    rows.of("dataset").all_refused([
         ("a value is NaN", "NaN", || in_folder(FILE, |path| write(path, &[1.0, f32::NAN]))),
         ("a value is infinite", "inf", || in_folder(FILE, |path| write(path, &[f32::INFINITY]))),
         ("the file's second half is missing", "", || in_folder(FILE, |path| cut(path, 0.5))),
@@ -46,7 +44,6 @@ pub(super) fn trials() -> Vec<Trial> {
         ("the file is empty", "", || in_folder(FILE, |path| cut(path, 0.0))),
         ("four samples to be split", "4", || Ok(Split::of(4)?.n() as f64)),
     ]);
-    [rows, scales, refusals].into_iter().flat_map(Rows::into_trials).collect()
 }
 
 fn write(path: &Path, row: &[f32]) -> Result<f64, ReproError> {

@@ -3,7 +3,7 @@
 use hapdef_kmax::{KMaxGraph, KMaxParams, Peak};
 
 use crate::error::ReproError;
-use crate::robustness::table::{Rows, Trial};
+use crate::robustness::table::Trials;
 
 /// Points along each side of the plate, and the gap between them, m.
 const SIDE: usize = 20;
@@ -12,16 +12,15 @@ const GAP_M: f64 = 0.004;
 /// Nodes that are peaks of the field with two hills.
 const HILLS: [usize; 2] = [5 + SIDE * 5, 14 + SIDE * 12];
 
-pub(super) fn trials() -> Vec<Trial> {
-    let mut rows = Rows::new("k-Max", ());
+pub(super) fn add(rows: &mut Trials<u64>) {
     let tops = ("peaks that are not the hills' tops", 0.0);
     for scale in [1e-38_f32, 1e-6, 1.0, 1e6, 1e38] {
         let extreme = format!("two hills of {scale:e} µm");
-        rows.accurate(extreme, tops, move |()| wrong_peaks(GAP_M, &hills(scale), 0.0));
+        rows.accurate(extreme, tops, move |_| wrong_peaks(GAP_M, &hills(scale), 0.0));
     }
     for gap_m in [1e-9, 1e-3, 1e6] {
         let extreme = format!("points {gap_m:e} m apart");
-        rows.accurate(extreme, tops, move |()| wrong_peaks(gap_m, &hills(1.0), 0.0));
+        rows.accurate(extreme, tops, move |_| wrong_peaks(gap_m, &hills(1.0), 0.0));
     }
     type Field = (&'static str, &'static str, f64, fn() -> Vec<f32>, f32);
     let fields: [Field; 4] = [
@@ -37,11 +36,11 @@ pub(super) fn trials() -> Vec<Trial> {
         ),
     ];
     for (extreme, must_hold, n, make, floor) in fields {
-        rows.accurate(extreme, (must_hold, 0.0), move |()| {
+        rows.accurate(extreme, (must_hold, 0.0), move |_| {
             Ok((peaks(GAP_M, &make(), floor)?.len() as f64 - n).abs())
         });
     }
-    rows.accurate("NaN and infinities beside the hills", tops, |()| {
+    rows.accurate("NaN and infinities beside the hills", tops, |_| {
         let mut field = hills(1.0);
         (field[HILLS[0] + 1], field[HILLS[1] - 1]) = (f32::NAN, f32::INFINITY);
         wrong_peaks(GAP_M, &field, 0.0)
@@ -54,7 +53,6 @@ pub(super) fn trials() -> Vec<Trial> {
         }),
         ("a field of another length", "field", || Ok(peaks(GAP_M, &[1.0], 0.0)?.len() as f64)),
     ]);
-    rows.into_trials()
 }
 
 fn graph_of(points: &[[f64; 3]]) -> Result<f64, ReproError> {

@@ -4,30 +4,29 @@ use hapdef_mesh::{FeNodeId, Tet10Mesh, kuhn_block, tet10};
 use nalgebra::{Point3, Vector3};
 
 use crate::error::ReproError;
-use crate::robustness::table::{Rows, Trial};
+use crate::robustness::table::Trials;
 
 const ROUND_OFF: f64 = 1e-12;
 
-pub(super) fn trials() -> Vec<Trial> {
-    let mut rows = Rows::new("mesh", ());
+pub(super) fn add(rows: &mut Trials<u64>) {
     for factor in [1e-6_f64, 1e-3, 1e3, 1e6] {
         let holds = ("its volume grows with the cube, relative error", ROUND_OFF);
-        rows.accurate(format!("a limb of {factor:e} times its size"), holds, move |()| {
+        rows.accurate(format!("a limb of {factor:e} times its size"), holds, move |_| {
             volume_error(|p| p * factor, factor.powi(3))
         });
     }
     for stretch in [1e2, 1e4, 1e6] {
         let holds = ("its volume grows with the length, relative error", ROUND_OFF);
-        rows.accurate(format!("elements {stretch:e} times longer than wide"), holds, move |()| {
+        rows.accurate(format!("elements {stretch:e} times longer than wide"), holds, move |_| {
             volume_error(|p| Point3::new(p.x * stretch, p.y, p.z), stretch)
         });
     }
     rows.accurate(
         "a limb 1 km from the origin",
         ("its volume stays, relative error", 1e-4),
-        |()| volume_error(|p| p + Vector3::repeat(1e3), 1.0),
+        |_| volume_error(|p| p + Vector3::repeat(1e3), 1.0),
     );
-    rows.accurate("refined twice", ("its volume stays, relative error", ROUND_OFF), |()| {
+    rows.accurate("refined twice", ("its volume stays, relative error", ROUND_OFF), |_| {
         let mesh = block(|p| p)?;
         Ok(relative(volume(&mesh.refine().refine()), volume(&mesh)))
     });
@@ -45,7 +44,6 @@ pub(super) fn trials() -> Vec<Trial> {
             Ok(volume(&Tet10Mesh::new(mesh.nodes().to_vec(), elements)?))
         }),
     ]);
-    rows.into_trials()
 }
 
 fn with_nodes(change: impl Fn(&mut [Point3<f64>])) -> Result<f64, ReproError> {

@@ -11,19 +11,20 @@ mod wire;
 
 use std::path::Path;
 
-use super::table::Trial;
+use super::table::Trials;
 use crate::error::ReproError;
 
-/// Every row of docs/stability-parts.md.
-pub(super) fn trials(seed: u64) -> Vec<Trial> {
-    let mut all = mesh::trials();
-    all.extend(data::trials());
-    all.extend(compliance::trials());
-    all.extend(kmax::trials());
-    all.extend(wire::trials(seed));
-    all.extend(clock::trials(seed));
-    all.extend(recorder::trials());
-    all
+/// Every row of docs/stability-parts.md, in its order; `seed` draws their data.
+pub fn trials(seed: u64) -> Trials<u64> {
+    let mut rows = Trials::new(seed);
+    mesh::add(rows.of("mesh"));
+    data::add(rows.of("dataset"));
+    compliance::add(rows.of("compliance"));
+    kmax::add(rows.of("k-Max"));
+    wire::add(rows.of("decoder"));
+    clock::add(rows.of("clock"));
+    recorder::add(rows.of("recorder"));
+    rows
 }
 
 /// What `work` makes of a path of this name in a folder that is gone afterwards.

@@ -9,7 +9,7 @@ use hapdef_daq::source::{FrameSource, ReplaySource, StreamParams, StreamSource, 
 use hapdef_daq::{AcquireParams, Message, acquire};
 
 use crate::error::ReproError;
-use crate::robustness::table::{Rows, Trial};
+use crate::robustness::table::Trials;
 
 const N_FRAMES: u32 = 40_000;
 const N_CHANNELS: usize = 10;
@@ -23,19 +23,18 @@ struct Saved {
     n_right: u32,
 }
 
-pub(super) fn trials() -> Vec<Trial> {
-    let mut rows = Rows::new("recorder", ());
+pub(super) fn add(rows: &mut Trials<u64>) {
     for left in [0.3, 0.7, 0.999] {
         let extreme = format!("{} % of the file are left", 100.0 * left);
-        saved_rows(&mut rows, &extreme, left, move |bytes| {
+        saved_rows(rows, &extreme, left, move |bytes| {
             bytes.truncate((left * bytes.len() as f64) as usize);
         });
     }
-    saved_rows(&mut rows, "one byte flipped", 1.0, |bytes| {
+    saved_rows(rows, "one byte flipped", 1.0, |bytes| {
         let middle = bytes.len() / 2;
         bytes[middle] ^= 0x55;
     });
-    saved_rows(&mut rows, "1 MB of zeros in the middle", 1.0, |bytes| {
+    saved_rows(rows, "1 MB of zeros in the middle", 1.0, |bytes| {
         let middle = bytes.len() / 2;
         bytes.splice(middle..middle, vec![0; 1 << 20]);
     });
@@ -46,20 +45,19 @@ pub(super) fn trials() -> Vec<Trial> {
             Ok(f64::from(damaged(other)?.n_right))
         }),
     ]);
-    rows.into_trials()
 }
 
 /// Nothing wrong is saved, and no more is lost than a chunk around the damage.
 fn saved_rows(
-    rows: &mut Rows<()>,
+    rows: &mut Trials<u64>,
     extreme: &str,
     left: f64,
     change: impl Fn(&mut Vec<u8>) + Copy + 'static,
 ) {
     let wrong = ("frames saved that are wrong or out of order", 0.0);
-    rows.accurate(extreme, wrong, move |()| Ok(f64::from(damaged(change)?.n_wrong)));
+    rows.accurate(extreme, wrong, move |_| Ok(f64::from(damaged(change)?.n_wrong)));
     let lost = ("share of the frames lost that the file still had", CHUNK_SHARE);
-    rows.accurate(extreme, lost, move |()| {
+    rows.accurate(extreme, lost, move |_| {
         Ok(left - f64::from(damaged(change)?.n_right) / f64::from(N_FRAMES))
     });
 }

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::error::ReproError;
-use crate::robustness::table::{Rows, Trial};
+use crate::robustness::table::Trials;
 
 /// Packets of a stream, and channels of each.
 const N_PACKETS: u32 = 20_000;
@@ -22,7 +22,7 @@ struct Heard {
     n_seen: u64,
 }
 
-pub(super) fn trials(seed: u64) -> Vec<Trial> {
+pub(super) fn add(rows: &mut Trials<u64>) {
     let damages = [
         ("1 bit in 10,000 flips", Fault::BitFlips { rate: 1e-4 }),
         ("1 bit in 100 flips", Fault::BitFlips { rate: 1e-2 }),
@@ -31,7 +31,6 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
         ("bursts of 64 random bytes", Fault::Bursts { rate: 1e-4, len: 64 }),
         ("holes of 5,000 bytes", Fault::Holes { rate: 1e-5, len: 5000 }),
     ];
-    let mut rows = Rows::new("decoder", seed);
     for (extreme, fault) in damages {
         rows.accurate(extreme, ("wrong frames", 0.0), move |seed| {
             Ok(through(fault, 64, 0, *seed)?.n_wrong as f64)
@@ -57,7 +56,6 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
     rows.accurate("10 MB of random bytes", ("frames", 0.0), |seed| noise(*seed));
     let extreme = "as many channels as may be, samples at the ends of 32 bits";
     rows.accurate(extreme, ("samples that differ", 0.0), |_| ends());
-    rows.into_trials()
 }
 
 /// The samples of packet `seq`.

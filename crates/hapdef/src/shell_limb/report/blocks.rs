@@ -1,6 +1,6 @@
 //! The page of a comparison: verdict, tables, the limb from four sides.
 
-use hapdef_report::{Block, LimbMap, LimbView, TextCell, TextTable};
+use hapdef_report::{Block, LimbMap, LimbView, TextTable, text_table};
 
 use super::super::differences::Differences;
 use super::super::info::quantile;
@@ -46,7 +46,7 @@ fn medians(comparison: &ShellComparison) -> TextTable {
     if let Some(coarser) = &comparison.coarser_solid {
         rows.extend(rows_of("solid, edges twice as long", coarser));
     }
-    table(&["from the solid", "median %", "worst %", "overall %", "ratio, median"], rows)
+    text_table(["from the solid", "median %", "worst %", "overall %", "ratio, median"], rows)
 }
 
 fn rows_of(who: &str, answered: &Answered) -> Vec<Vec<String>> {
@@ -127,16 +127,8 @@ fn gauges(comparison: &ShellComparison) -> TextTable {
             format!("{:.1}", 100.0 * gauge.difference),
         ]
     };
-    table(
-        &["gauge", "at, mm", "solid µε/N", "shell µε/N", "difference %"],
+    text_table(
+        ["gauge", "at, mm", "solid µε/N", "shell µε/N", "difference %"],
         comparison.gauges.iter().enumerate().map(row),
     )
-}
-
-fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> TextTable {
-    let cells = |row: Vec<String>| row.into_iter().map(TextCell::plain).collect();
-    TextTable {
-        header: header.iter().map(|&name| name.into()).collect(),
-        rows: rows.into_iter().map(cells).collect(),
-    }
 }

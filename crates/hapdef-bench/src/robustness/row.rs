@@ -74,56 +74,7 @@ pub enum Verdict {
     SilentlyWrong,
 }
 
-/// What should come of a trial.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Expected {
-    /// What must hold, holds.
-    Result,
-    /// An error.
-    Refusal {
-        /// The variant; any if empty.
-        kind: &'static str,
-        /// Words of its text.
-        words: &'static str,
-    },
-    /// What must hold, holds, or any typed error.
-    Either,
-}
-
-/// A row to be run.
-pub struct Trial<E> {
-    /// The problem or the method.
-    pub case: &'static str,
-    /// `direct`, `iterative` or `shell`, where equations are solved.
-    pub path: Option<&'static str>,
-    /// What is extreme.
-    pub extreme: String,
-    /// What must hold, in words.
-    pub must_hold: &'static str,
-    /// What should come out.
-    pub expected: Expected,
-    /// Measures it.
-    pub run: Box<dyn Fn() -> Result<Measured, E>>,
-}
-
 impl Row {
-    /// What came of a trial.
-    #[must_use]
-    pub fn new<E>(layer: &str, trial: &Trial<E>, outcome: Result<Measured, Refusal>) -> Self {
-        let verdict = Verdict::of(&outcome);
-        let failed = verdict == Verdict::SilentlyWrong || !trial.expected.is_met_by(&outcome);
-        Self {
-            layer: layer.to_owned(),
-            case: trial.case.to_owned(),
-            path: trial.path.map(str::to_owned),
-            extreme: trial.extreme.clone(),
-            must_hold: trial.must_hold.to_owned(),
-            outcome,
-            verdict,
-            failed,
-        }
-    }
-
     /// `ok`, or the kind of error.
     #[must_use]
     pub fn said(&self) -> &str {
@@ -197,6 +148,9 @@ impl Row {
 }
 
 impl Refusal {
+    /// The kind of a row whose own set-up is wrong, which no row expects.
+    pub const FAULT: &str = "Fault";
+
     /// Of an enum's variant, named as `Debug` names it.
     #[must_use]
     pub fn new(variant: &impl Debug, text: String) -> Self {
@@ -226,30 +180,12 @@ impl Verdict {
         rows.iter().filter(|row| row.verdict == self).count()
     }
 
-    fn of(outcome: &Result<Measured, Refusal>) -> Self {
+    pub(super) fn of(outcome: &Result<Measured, Refusal>) -> Self {
         match outcome {
             Err(_) => Self::Refused,
             // a NaN is wrong
             Ok(measured) if measured.value <= measured.limit => Self::Accurate,
             Ok(_) => Self::SilentlyWrong,
-        }
-    }
-}
-
-impl Expected {
-    /// An error of any kind whose text has these words.
-    #[must_use]
-    pub fn saying(words: &'static str) -> Self {
-        Self::Refusal { kind: "", words }
-    }
-
-    fn is_met_by(self, outcome: &Result<Measured, Refusal>) -> bool {
-        match (self, outcome) {
-            (Self::Either, _) | (Self::Result, Ok(_)) => true,
-            (Self::Refusal { kind, words }, Err(refusal)) => {
-                (kind.is_empty() || refusal.kind == kind) && refusal.text.contains(words)
-            }
-            _ => false,
         }
     }
 }

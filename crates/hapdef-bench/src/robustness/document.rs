@@ -2,9 +2,11 @@
 
 use std::fmt::Write as _;
 
+use hapdef_report::{TextTable, text_table};
+
 use super::column::{Column, Digits};
-use super::row::{Refusal, Row, Trial, Verdict};
-use crate::text::{TextCell, TextTable};
+use super::row::{Row, Verdict};
+use super::trial::{Trial, Trials};
 
 /// A table of rows.
 #[derive(Clone, Copy, Debug)]
@@ -17,8 +19,6 @@ pub struct Table {
     pub note: &'static str,
     /// The layer of its rows; empty where the case of each names it.
     pub layer: &'static str,
-    /// Title and explanation of the file in docs/, up to the table.
-    pub preamble: &'static str,
     /// The columns.
     pub columns: &'static [Column],
     /// Numbers below this are shown as the word.
@@ -30,46 +30,39 @@ pub struct Table {
 }
 
 impl Table {
-    /// Runs trials in their order. Each row goes to `progress` as it comes; `refusal` makes a row's
-    /// refusal of an error.
-    ///
-    /// # Errors
-    /// Those that `refusal` gives back, because the trial's own set-up is wrong.
-    pub fn rows<E, F>(
-        &self,
-        trials: impl IntoIterator<Item = Trial<E>>,
-        refusal: impl Fn(E) -> Result<Refusal, F>,
-        mut progress: impl FnMut(&Row),
-    ) -> Result<Vec<Row>, F> {
-        let run = |trial: Trial<E>| {
-            let outcome = match (trial.run)() {
-                Ok(measured) => Ok(measured),
-                Err(error) => Err(refusal(error)?),
+    /// Runs trials in their order; each row goes to `progress` as it comes.
+    #[must_use]
+    pub fn rows<W, E>(&self, trials: Trials<W, E>, mut progress: impl FnMut(&Row)) -> Vec<Row> {
+        let run = |trial: Trial| {
+            let outcome = (trial.run)();
+            let verdict = Verdict::of(&outcome);
+            let failed = verdict == Verdict::SilentlyWrong || !trial.expected.is_met_by(&outcome);
+            let row = Row {
+                layer: self.layer.to_owned(),
+                case: trial.case.to_owned(),
+                path: trial.path.map(str::to_owned),
+                extreme: trial.extreme,
+                must_hold: trial.must_hold.to_owned(),
+                outcome,
+                verdict,
+                failed,
             };
-            let row = Row::new(self.layer, &trial, outcome);
             progress(&row);
-            Ok(row)
+            row
         };
-        trials.into_iter().map(run).collect()
+        trials.all.into_iter().map(run).collect()
     }
 
-    /// The file's text.
+    /// The rows in the file.
     #[must_use]
     pub fn markdown(&self, rows: &[Row]) -> String {
-        let mut text = self.preamble.to_owned();
         let [accurate, refused, wrong] = Verdict::ALL.map(|verdict| verdict.count(rows));
-        let _ = writeln!(
-            text,
-            "{} rows: {accurate} accurate, {refused} refused, {wrong} silently wrong.\n",
-            rows.len()
+        let n = rows.len();
+        let mut text = format!(
+            "{n} rows: {accurate} accurate, {refused} refused, {wrong} silently wrong.\n\n"
         );
-        let names: Vec<_> = self.columns.iter().map(|column| column.name()).collect();
-        let rule = "---|".repeat(self.columns.len());
-        let _ = writeln!(text, "| {} |\n|{rule}", names.join(" | "));
-        for row in rows {
-            let cells = self.columns.iter().map(|c| c.cell(row, Digits::Magnitude(self.least)));
-            let _ = writeln!(text, "| {} |", cells.collect::<Vec<_>>().join(" | "));
-        }
+        let digits = Digits::Magnitude(self.least);
+        text.push_str(&shown(self.columns, rows, digits).to_markdown());
         text.push_str("\n## What refusals say\n\n");
         for row in rows {
             if let Err(refusal) = &row.outcome
@@ -104,7 +97,7 @@ impl Table {
             match cells.filter(|cells| cells.len() == self.columns.len()) {
                 Some(cells) => {
                     let of_column = self.columns.iter().zip(cells);
-                    let kept = of_column.filter(|(column, _)| !column.is_rounded());
+                    let kept = of_column.filter(|(column, _)| !column.is_rounded);
                     kept.map(|(_, cell)| cell).collect::<Vec<_>>().join(" | ")
                 }
                 None => line.to_owned(),
@@ -115,17 +108,8 @@ impl Table {
     }
 }
 
-/// Rows on a page; the verdict of a row that did not fail stands out.
-pub(super) fn page_table(columns: &[Column], rows: &[Row]) -> TextTable {
-    let cells = |row: &Row| {
-        let cell = |column: &Column| TextCell {
-            text: column.cell(row, Digits::Two),
-            strong: *column == Column::Verdict && !row.failed,
-        };
-        columns.iter().map(cell).collect()
-    };
-    TextTable {
-        header: columns.iter().map(|column| column.name().to_owned()).collect(),
-        rows: rows.iter().map(cells).collect(),
-    }
+/// The cells of rows.
+pub(super) fn shown(columns: &[Column], rows: &[Row], digits: Digits) -> TextTable {
+    let cells = |row| columns.iter().map(move |column| (column.cell)(row, digits));
+    text_table(columns.iter().map(|column| column.name), rows.iter().map(cells))
 }

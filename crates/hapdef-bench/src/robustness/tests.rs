@@ -1,35 +1,27 @@
 //! Rows of a made-up method.
 
+use hapdef_report::MetricContext;
+
 use super::column::Digits;
 use super::*;
-use crate::MetricContext;
 
 const TABLE: Table = Table {
     folder: "rows",
     title: "Rows",
     note: "",
     layer: "",
-    preamble: "# Rows\n\n",
-    columns: &[Column::Method, Column::Measured, Column::Said, Column::Verdict],
+    columns: &[Column::METHOD, Column::MEASURED, Column::SAID, Column::VERDICT],
     least: (1e-9, "little"),
     rounded_refusals: &["Diverged"],
     word: str::to_owned,
 };
 
-fn row(outcome: Result<f64, (&str, &str)>, expected: Expected) -> Row {
-    let outcome = outcome
-        .map(|value| Measured { value, limit: 0.1, solver: None })
-        .map_err(|(kind, text)| Refusal { kind: kind.to_owned(), text: text.to_owned() });
-    let trial = Trial {
-        case: "LR",
-        path: None,
-        extreme: "one".to_owned(),
-        must_hold: "",
-        expected,
-        run: Box::new(move || outcome.clone()),
-    };
-    let rows = TABLE.rows([trial], Ok::<_, ()>, |_| {});
-    rows.unwrap().remove(0)
+fn row(outcome: Result<f64, (&'static str, &'static str)>, expected: Expected) -> Row {
+    let mut trials = Trials::<(), Refusal>::new(());
+    trials.of("LR").add("one", ("", 0.1), expected, move |()| {
+        outcome.map_err(|(kind, text)| Refusal { kind: kind.to_owned(), text: text.to_owned() })
+    });
+    TABLE.rows(trials, |_| {}).remove(0)
 }
 
 #[test]
@@ -53,6 +45,7 @@ fn what_should_be_refused_and_is_not_fails() {
     assert!(!row(Err(("Residual", "125")), any).failed);
     assert!(row(Err(("Residual", "125")), Expected::Result).failed);
     assert!(!row(Err(("Residual", "125")), Expected::Either).failed);
+    assert!(row(Err((Refusal::FAULT, "125")), Expected::Either).failed);
 }
 
 #[test]

@@ -3,28 +3,29 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use hapdef_report::{
+    MetricContext, MetricLog, NamedText, Report, ReportError, ReportTable, write_report, write_text,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::column::Column;
-use super::document::{Table, page_table};
+use super::column::{Column, Digits};
+use super::document::{Table, shown};
 use super::row::{Row, Verdict};
-use crate::error::ReportError;
-use crate::metrics::{MetricContext, MetricLog};
-use crate::report::{NamedText, Report, ReportTable, write_report, write_text};
+use crate::page::{read_made, write_made};
 
 /// The rows and their origin, beside a table's page.
 const ROWS_FILE: &str = "rows.json";
 
 /// Columns of all tables as one.
 const ALL: [Column; 7] = [
-    Column::Layer,
-    Column::LayerCase,
-    Column::Extreme,
-    Column::MustHold,
-    Column::MeasuredOfLimit,
-    Column::Said,
-    Column::Verdict,
+    Column::LAYER,
+    Column::LAYER_CASE,
+    Column::EXTREME,
+    Column::MUST_HOLD,
+    Column::MEASURED_OF_LIMIT,
+    Column::SAID,
+    Column::VERDICT,
 ];
 
 /// What rows rest on besides the code that makes them.
@@ -104,14 +105,10 @@ impl Table {
         let json = serde_json::to_string_pretty(&made).map_err(ReportError::json(&path))?;
         write_text(&path, &json)?;
         if let Some(path) = outputs.write {
-            write_text(path, &text)?;
+            write_made(path, &text)?;
         }
         let differences = match outputs.check {
-            Some(path) => {
-                let committed =
-                    std::fs::read_to_string(path).map_err(ReportError::io("reading", path))?;
-                self.differences(&text, &committed)
-            }
+            Some(path) => self.differences(&text, &read_made(path)?),
             None => Vec::new(),
         };
         Ok(Published { page, differences, n_failed: n_failed(rows) })
@@ -195,13 +192,17 @@ fn counts(rows: &[Row]) -> Vec<NamedText> {
     Verdict::ALL.map(count).to_vec()
 }
 
+/// Rows on a page; the verdict of a row that did not fail stands out.
 fn table(note: &str, columns: &[Column], rows: &[Row]) -> ReportTable {
-    ReportTable {
-        title: "Rows".into(),
-        note: note.into(),
-        text: page_table(columns, rows),
-        data: Value::Array(rows.iter().map(Row::json).collect()),
+    let mut text = shown(columns, rows, Digits::Two);
+    let verdicts = columns.iter().position(|column| column.name == Column::VERDICT.name);
+    for (cells, row) in text.rows.iter_mut().zip(rows) {
+        if let Some(column) = verdicts {
+            cells[column].strong = !row.failed;
+        }
     }
+    let data = Value::Array(rows.iter().map(Row::json).collect());
+    ReportTable { title: "Rows".into(), note: note.into(), text, data }
 }
 
 fn read(path: &Path) -> Result<Made, ReportError> {
