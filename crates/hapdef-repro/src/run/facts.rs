@@ -2,7 +2,6 @@
 
 use std::collections::HashSet;
 use std::io::Stdout;
-use std::time::{Duration, SystemTime};
 
 use hapdef::{HapdefError, Limb, OutputScale, Pipeline, Profile, Run, Samples, Schedule, Stage};
 use hapdef_nets::Loss;
@@ -115,12 +114,9 @@ fn training(profile: &Profile) -> String {
     )
 }
 
-/// Time of every stage, from the run that made it, once where two parts need it. What the demo's first
-/// program made is no find in the cache for its second.
+/// Time of every stage, from the run that made it, once where two parts need it.
 pub(crate) fn stage_times(done: &Pipeline, more: &[Stage]) -> Vec<StageTime> {
     let stages = done.stages().into_iter().chain(more);
-    let began = demo_began();
-    let is_old = |stage: &Stage| stage.made_at() < began || began.is_none();
     let mut seen = HashSet::new();
     stages
         .filter(|stage| seen.insert(&stage.dir))
@@ -132,26 +128,13 @@ pub(crate) fn stage_times(done: &Pipeline, more: &[Stage]) -> Vec<StageTime> {
                 .find(|value| !value.is_null())
                 .map_or(String::new(), |value| format!(" {}", plain(value)));
             let name = format!("{}{what}", record.stage);
-            StageTime { name, elapsed_s: record.elapsed_s, cached: stage.cached && is_old(stage) }
+            StageTime { name, elapsed_s: record.elapsed_s, cached: stage.cached }
         })
         .collect()
 }
 
 fn plain(value: &serde_json::Value) -> String {
     value.to_string().replace(['"', '{', '}'], "").replace(':', " ")
-}
-
-/// Time since the demo began its first program, s.
-pub(crate) fn since_demo_s() -> Option<f64> {
-    let since = SystemTime::now().duration_since(demo_began()?);
-    since.ok().map(|since| since.as_secs_f64())
-}
-
-/// When the demo began its first program; it says so in its environment.
-fn demo_began() -> Option<SystemTime> {
-    let unix_s = std::env::var("HAPDEF_DEMO_BEGAN_UNIX_S").ok()?;
-    let unix = Duration::try_from_secs_f64(unix_s.parse().ok()?).ok()?;
-    Some(SystemTime::UNIX_EPOCH + unix)
 }
 
 /// What the scene does not need, and what only the whole reproduction makes.

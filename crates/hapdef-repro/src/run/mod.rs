@@ -147,7 +147,7 @@ fn assemble(
     claims.extend(claims::claims(made));
     let mut stages = facts::stage_times(made.done, &made.stages);
     let n_cached = stages.iter().filter(|stage| stage.cached).count();
-    let wall_s = facts::since_demo_s().unwrap_or_else(|| start.elapsed().as_secs_f64());
+    let wall_s = start.elapsed().as_secs_f64();
     let mut log = facts::log(run.scene.seed);
     match extent {
         Extent::Demo => summary::log_demo(&mut log, made, &table2, wall_s)?,
@@ -155,14 +155,16 @@ fn assemble(
     }
     // the times of a frame in each ablation are no stages
     stages.extend(made.ablations.iter().flat_map(Ablations::times));
+    let mut figures = figures::figures(made)?;
     let report = Report {
+        summary: summary::first(&claims, &table2, &mut figures),
         title: format!("hapdef: {}", run.scene.name),
         scene: run.scene.name.clone(),
         profile: run.profile.name.clone(),
         seed: run.scene.seed,
         facts: facts::facts(made),
         tables: contents::tables(made, &table2, &claims)?,
-        figures: figures::figures(made)?,
+        figures,
         limbs: vec![figures::limb_view(made.limb, made.done)?],
         stages,
         skipped: facts::skipped(run, extent == Extent::Everything),

@@ -4,11 +4,11 @@ use std::io::Stdout;
 
 use anyhow::Result;
 use hapdef_bench::terminal_table;
-use hapdef_report::{MetricLog, Report, TextTable};
+use hapdef_report::{Figure, Headline, MetricLog, Report, Summary, TextTable};
 
 use super::made::Made;
 use super::{claims, contents};
-use crate::tables::{Claim, Table2, TestSet, fnn_over_lr};
+use crate::tables::{Claim, PAPER_TABLE2, PaperAccuracy, Table2, TestSet, fnn_over_lr};
 
 /// The metrics of the whole reproduction; `n_cached` stages were in the cache when it began.
 pub(crate) fn log_repro(
@@ -61,6 +61,34 @@ pub(crate) fn log_demo(
         }
     }
     Ok(())
+}
+
+/// The figure that shows most: a double press with what is found. Or the limb, where nothing is pressed twice.
+const PICTURES: [&str; 2] = ["figure6b-limb.svg", "rigidity-limb.svg"];
+
+/// What a reader sees first: how many claims hold, errors beside the paper's, the picture, which is taken out
+/// of the figures.
+pub(crate) fn first(
+    claims: &[Claim],
+    table2: &Table2,
+    figures: &mut Vec<Figure>,
+) -> Option<Summary> {
+    let at = PICTURES.iter().find_map(|name| figures.iter().position(|f| f.file == *name))?;
+    let (n_claims, n_held) = claims::count(claims);
+    let sentence = format!(
+        "The paper's chain of networks, trained and tested on this limb, simulated: {n_held} of {n_claims} metrics \
+         of the paper's claims hold. How well contacts are found by superposition, which needs no networks, \
+         shows cargo xtask demo."
+    );
+    let headline = |paper: &PaperAccuracy| {
+        let ours = table2.ours.iter().find(|ours| ours.name == paper.name)?.location_mm?;
+        let beside = format!("the paper's limb: {} mm", paper.location_mm[0]);
+        let (value, what) = (format!("{ours:.1} mm"), format!("{}, location", paper.name));
+        Some(Headline { value, what, beside })
+    };
+    let numbers = PAPER_TABLE2.iter().filter_map(headline).collect();
+    let next = vec!["What each verdict rests on: docs/report.md".into()];
+    Some(Summary { sentence, numbers, picture: figures.remove(at), next })
 }
 
 /// Tables and verdicts on the terminal.
