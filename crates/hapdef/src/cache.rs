@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::time::{Instant, SystemTime};
+use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
@@ -114,15 +114,6 @@ impl Cache {
         let file = File::create(&path).map_err(HapdefError::file(&path))?;
         file.lock().map_err(HapdefError::file(&path))?;
         Ok(file)
-    }
-}
-
-impl Stage {
-    /// When it was made, if its record's file tells.
-    #[must_use]
-    pub fn made_at(&self) -> Option<SystemTime> {
-        let record = fs::metadata(self.dir.join(RECORD_FILE)).ok()?;
-        record.modified().ok()
     }
 }
 

@@ -12,7 +12,9 @@ pub use metric::MapMetric;
 pub use orderings::{fnn_over_lr, table1_claims};
 pub use table1::{Method, Table1, TestSet, TrainSet, TrainedMethod};
 pub use table1_bars::table1_bars;
-pub use table2::{OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, Table2};
+pub use table2::{
+    OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, PAPER_TABLE2, PaperAccuracy, Table2,
+};
 
 /// How many cells of a table there are, hold a number, or hold a NaN or infinity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
