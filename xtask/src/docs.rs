@@ -67,11 +67,14 @@ pub(crate) fn run_some(args: &DocsArgs) -> Result<()> {
     }
 }
 
+/// What became of a line; nothing while it runs.
+type Outcome = OnceLock<Result<(), String>>;
+
 /// The commands of pages, for any number of threads: each takes a page at a time.
 pub(crate) struct Commands {
     pages: Mutex<VecDeque<PathBuf>>,
-    /// What became of each line: what several pages show is run once, and who comes second waits for it.
-    lines: Mutex<BTreeMap<String, Arc<OnceLock<Result<(), String>>>>>,
+    /// What several pages show is run once, and who comes second waits for it.
+    lines: Mutex<BTreeMap<String, Arc<Outcome>>>,
     has_browser: bool,
 }
 
@@ -107,7 +110,7 @@ impl Commands {
         self.pages.lock().unwrap_or_else(PoisonError::into_inner).pop_front()
     }
 
-    fn outcome(&self, line: &str) -> Arc<OnceLock<Result<(), String>>> {
+    fn outcome(&self, line: &str) -> Arc<Outcome> {
         let mut lines = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
         Arc::clone(lines.entry(line.to_owned()).or_default())
     }

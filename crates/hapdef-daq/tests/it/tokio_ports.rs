@@ -26,8 +26,9 @@ impl AsyncLink for SlowLink {
     type Stream = DuplexStream;
 
     fn open(&self) -> impl Future<Output = Result<DuplexStream, LinkFault>> + Send + 'static {
-        async {
-            sleep(Duration::from_millis(20)).await;
+        let opened = sleep(Duration::from_millis(20));
+        async move {
+            opened.await;
             Ok(duplex(64).0)
         }
     }
