@@ -37,6 +37,7 @@ mod signals;
 mod sim;
 mod stage;
 mod table;
+mod topic;
 mod truth;
 mod unit;
 mod view;
