@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 const WALL_M: f64 = 2e-3;
 /// Sections and fields that a scene may leave out.
-const OPTIONAL: [&str; 16] = [
+const OPTIONAL: [&str; 20] = [
     "/name",
     "/seed",
     "/geometry/axis",
@@ -21,14 +21,18 @@ const OPTIONAL: [&str; 16] = [
     "/material",
     "/contact",
     "/contact/region",
+    "/contact/region/rule",
     "/contact/tip_radius_m",
     "/contact/max_contacts",
     "/gauges/length_m",
     "/gauges/patch_nodes",
     "/rig",
+    "/rig/mesh/kind",
+    "/rig/mesh/times",
     "/rig/max_wall_m",
     "/rig/electronics/adc_bits",
     "/estimator",
+    "/estimator/kind",
 ];
 
 fn short() -> Value {
@@ -146,6 +150,23 @@ fn what_is_no_clean_skin_is_refused_with_the_remedy() {
     let mut thick = short();
     thick["geometry"]["wall_m"] = json!(0.05);
     refused(&thick, &bottle, &["geometry.skin", remedy]);
+}
+
+#[test]
+fn a_section_that_names_no_kind_has_the_usual_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = short();
+    scene["estimator"] = json!({"noise_ue": 2.0});
+    scene["contact"] = json!({"region": {"mount_gap_m": 0.004}});
+    scene["rig"] = json!({"mesh": {"times": 2}});
+    let full = json!(read_scene(&written(folder.path(), &scene)).unwrap());
+    assert_eq!(full["estimator"]["kind"], "superposition");
+    assert_eq!(full["estimator"]["noise_ue"], 2.0);
+    assert_eq!(full["contact"]["region"], json!({"rule": "free_skin", "mount_gap_m": 0.004}));
+    assert_eq!(full["rig"]["mesh"], json!({"kind": "refined", "times": 2}));
+    scene["estimator"] = json!({"kmax_radius_m": 0.01});
+    let error = read_scene(&written(folder.path(), &scene)).unwrap_err().to_string();
+    assert!(error.contains("at estimator: unknown field `kmax_radius_m`"), "{error}");
 }
 
 #[test]
