@@ -4,7 +4,6 @@ use std::collections::HashSet;
 use std::io::Stdout;
 use std::time::{Duration, SystemTime};
 
-use hapdef::convergence::Convergence;
 use hapdef::{HapdefError, Limb, OutputScale, Pipeline, Profile, Run, Samples, Schedule, Stage};
 use hapdef_nets::Loss;
 use hapdef_report::{MetricContext, MetricLog, NamedText, Report, SkippedStage, StageTime};
@@ -16,7 +15,7 @@ pub(crate) fn facts(
     run: &Run,
     done: &Pipeline,
     svr: &SvrScore,
-    mesh_check: &Convergence,
+    mesh_check: &str,
 ) -> Vec<NamedText> {
     let limb = &done.compliance.record.info;
     let rig = &done.rig.record.info;
@@ -31,7 +30,7 @@ pub(crate) fn facts(
                 limb["n_fe_nodes"], limb["n_equations"], limb["nnz_l"], limb["n_loads"]
             ),
         ),
-        named("mesh", mesh_check.to_string()),
+        named("mesh", mesh_check),
         named("rig", format!("its own mesh of {} FE nodes, perturbed", rig["n_fe_nodes"])),
         samples,
         training,

@@ -28,7 +28,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use hapdef::convergence::{Convergence, ConvergenceParams};
+use hapdef::convergence::ConvergenceParams;
 use hapdef::stages;
 use hapdef::{Limb, Pipeline, Run, Stage, Until};
 use hapdef_cli::SceneArgs;
@@ -143,7 +143,8 @@ enum Extent {
 struct Parts {
     table1: Vec<Table1>,
     svr: SvrScore,
-    mesh_check: Convergence,
+    /// Whether the limb's mesh is fine enough, in words.
+    mesh_check: String,
     singles: Singles,
     frames: Frames,
     sizes: Option<Vec<SizePoint>>,
@@ -268,10 +269,10 @@ fn add_reproduction(report: &mut Report, parts: &Parts) -> Result<()> {
     Ok(())
 }
 
-/// Whether the limb's mesh is fine enough.
-fn mesh_check(run: &Run, limb: &Limb) -> Result<(Convergence, Stage)> {
+/// Whether the limb's mesh is fine enough, in words.
+fn mesh_check(run: &Run, limb: &Limb) -> Result<(String, Stage)> {
     let (stage, study) = stages::mesh_check(run, limb, &ConvergenceParams::default())?;
-    Ok((study, stage))
+    Ok((study.in_words(limb), stage))
 }
 
 /// The run's own cache key for work of this crate: the keys of what it reads.
