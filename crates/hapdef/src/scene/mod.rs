@@ -15,7 +15,9 @@ mod tag;
 
 pub use estimator::{EstimatorSpec, HapdefxSpec, SuperpositionSpec};
 pub use gauges::{GaugeEntry, GaugeSpec};
-pub use geometry::{Axis, Geometry, Shape, SkinShape, WallSide, WallSolver, WallThickness};
+pub use geometry::{
+    Axis, Geometry, Shape, SkinShape, WallBox, WallRegions, WallSide, WallSolver, WallThickness,
+};
 pub use limb::{ContactRegion, ContactSpec, LimbEnd, LoadDirection, MaterialSpec, Mount};
 pub use read::{read_scene, scene_file};
 pub use rig::{

@@ -130,6 +130,33 @@ fn a_wall_of_many_thicknesses_counts_in_the_hash() {
 }
 
 #[test]
+fn a_wall_by_regions_is_thicker_in_its_boxes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = short();
+    let of = |low: f64, high: f64, wall_m: f64| json!({"min_m": [-1.0, -1.0, low], "max_m": [1.0, 1.0, high], "wall_m": wall_m});
+    scene["geometry"]["wall_m"] =
+        json!({"elsewhere_m": WALL_M, "boxes": [of(-1.0, 0.05, 0.001), of(-1.0, 0.03, 0.003)]});
+    let (read, limb) = loaded(folder.path(), &scene).unwrap();
+    assert_eq!(json!(read)["geometry"]["wall_m"], scene["geometry"]["wall_m"]);
+    let wall = limb.wall.as_ref().unwrap();
+    for (node, wall_m) in wall.outside.nodes.iter().zip(&wall.thickness_m) {
+        let expected = match limb.mesh.position(*node).z {
+            z if z < 0.029 => 0.003,
+            z if (0.037..0.045).contains(&z) => 0.001,
+            z if z > 0.056 => WALL_M,
+            _ => continue,
+        };
+        assert!((wall_m - expected).abs() < 1e-9, "{wall_m} {expected}");
+    }
+    scene["geometry"]["wall_m"]["boxes"][0]["min_m"] = json!([0.5, 0.5, -1.0]);
+    let error = loaded(folder.path(), &scene).err().unwrap().to_string();
+    assert!(error.contains("geometry.wall_m.boxes[0]: no vertex"), "{error}");
+    scene["geometry"]["wall_m"]["boxes"][0]["wall_m"] = json!(0);
+    let error = loaded(folder.path(), &scene).err().unwrap().to_string();
+    assert!(error.contains("geometry.wall_m.boxes[0].wall_m"), "{error}");
+}
+
+#[test]
 fn what_is_no_clean_skin_is_refused_with_the_remedy() {
     let bottle = bottle();
     let remedy = "hapdef new";
