@@ -38,6 +38,12 @@ pub enum DaqError {
     NothingToRecover { path: std::path::PathBuf, n_bytes: u64 },
     #[error("{path}: not one reading in it: there is nothing to play")]
     NoFrames { path: std::path::PathBuf },
+    #[error(
+        "{path}: no topic {topic}; it has {found}: name one that has the gauges' readings (--topic)"
+    )]
+    NoTopic { path: std::path::PathBuf, topic: String, found: String },
+    #[error("{path}: topic {topic}: {message}")]
+    NoNumbers { path: std::path::PathBuf, topic: String, message: String },
     #[error("the calibration record is no JSON object: {message}")]
     BadCalibration { message: String },
 }

@@ -23,6 +23,8 @@ pub(crate) struct LiveRequest {
     /// What is played where no source is named.
     pub play: RigPlay,
     pub tare_s: f64,
+    /// The topic that is read of a recording of another program.
+    pub topic: Option<String>,
 }
 
 /// A running stream of frames; an iterator that ends with its source. Leaving a `with` block, or
@@ -108,10 +110,8 @@ impl PyLive {
         source: Option<&str>,
         request: LiveRequest,
     ) -> PyResult<Self> {
-        let arg: Option<SourceArg> = source
-            .map(|text| text.parse().map_err(|e| PyValueError::new_err(format!("source: {e}"))))
-            .transpose()?;
-        let LiveRequest { kind, play, tare_s } = request;
+        let LiveRequest { kind, play, tare_s, topic } = request;
+        let arg = source.map(|text| source_arg(text, topic.as_deref())).transpose()?;
         let (mut source, estimator) = work(py, scene, move |scene| {
             let source = match arg {
                 Some(arg) => scene.source(&arg)?,
@@ -154,4 +154,13 @@ impl PyLive {
     fn next(&self) -> Option<Result<LiveFrame, RecvTimeoutError>> {
         self.with(|running| running.next_within(LOOK))
     }
+}
+
+fn source_arg(text: &str, topic: Option<&str>) -> PyResult<SourceArg> {
+    let named: Result<SourceArg, _> = text.parse();
+    let named = named.and_then(|arg| match topic {
+        Some(topic) => arg.of_topic(topic),
+        None => Ok(arg),
+    });
+    named.map_err(|e| PyValueError::new_err(format!("source: {e}")))
 }

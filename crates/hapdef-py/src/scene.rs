@@ -327,7 +327,9 @@ impl PyScene {
     }
 
     /// Live contacts, frame by frame: from a source, or from the simulated rig pressed at random.
-    #[pyo3(signature = (source = None, *, kind = "tracking", seconds = None, tare_s = 1.0, seed = 1))]
+    #[pyo3(signature = (source = None, *, kind = "tracking", seconds = None, tare_s = 1.0, seed = 1,
+        topic = None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn live(
         &self,
         py: Python<'_>,
@@ -336,9 +338,10 @@ impl PyScene {
         seconds: Option<f64>,
         tare_s: f64,
         seed: u64,
+        topic: Option<String>,
     ) -> PyResult<PyLive> {
         let play = RigPlay { seconds, seed };
-        let request = LiveRequest { kind: kind_of(kind)?, play, tare_s };
+        let request = LiveRequest { kind: kind_of(kind)?, play, tare_s, topic };
         PyLive::start(py, &self.scene, source, request)
     }
 

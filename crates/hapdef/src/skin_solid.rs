@@ -10,7 +10,7 @@ use hapdef_mesh::{
 };
 
 use crate::error::HapdefError;
-use crate::scene::{SkinShape, WallThickness};
+use crate::scene::{SkinShape, WallRegions, WallThickness};
 
 /// Vertices no farther apart than this are one, m: seams that an exporter split.
 pub(crate) const WELD_M: f64 = 1e-6;
@@ -77,6 +77,7 @@ impl SkinSolid {
             WallThickness::File(file) => {
                 read_thickness(&scene_dir.join(file), surface.vertices().len())?
             }
+            WallThickness::Regions(regions) => by_region(&path, &surface, regions)?,
         };
         let wall = extruded(&surface, &thickness_m, skin.side.into())
             .map_err(|source| HapdefError::SkinFolds { path, source })?;
@@ -164,6 +165,25 @@ fn read_thickness(path: &Path, n_vertices: usize) -> Result<Vec<f64>, HapdefErro
             "expected {n_vertices} lines, one a vertex of the skin, found {n}"
         ))),
     }
+}
+
+/// The thickness at each vertex, m, where each box has some.
+fn by_region(
+    path: &Path,
+    surface: &SurfaceMesh,
+    regions: &WallRegions,
+) -> Result<Vec<f64>, HapdefError> {
+    let mut thickness_m = vec![regions.elsewhere_m; surface.vertices().len()];
+    for (i, region) in regions.boxes.iter().enumerate() {
+        let inside = |vertex: &usize| region.has(&surface.vertices()[*vertex]);
+        let inside: Vec<usize> = (0..thickness_m.len()).filter(inside).collect();
+        if inside.is_empty() {
+            let what = format!("geometry.wall_m.boxes[{i}]: no vertex of the skin is in it");
+            return Err(HapdefError::SkinWall { path: path.into(), what });
+        }
+        inside.into_iter().for_each(|vertex| thickness_m[vertex] = region.wall_m);
+    }
+    Ok(thickness_m)
 }
 
 fn median_edge_m(skin: &SurfaceMesh) -> f64 {

@@ -134,7 +134,7 @@ pub(crate) fn geometry_hash(geometry: &Geometry, scene_dir: &Path) -> Result<Str
         Shape::Deck(deck) => deck_hash(&scene_dir.join(deck)),
         Shape::Skin(skin) => {
             let wall = match &skin.wall {
-                WallThickness::Constant(_) => None,
+                WallThickness::Constant(_) | WallThickness::Regions(_) => None,
                 WallThickness::File(file) => Some(scene_dir.join(file)),
             };
             let skin = scene_dir.join(&skin.file);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use hapdef_daq::record::Recording;
+use hapdef_daq::record::{NumbersTopic, Recording};
 use hapdef_daq::source::{
     FrameSource, Link, Protocol, ReplaySource, SerialLink, SerialParams, StreamParams,
     StreamSource, TcpLink,
@@ -44,6 +44,8 @@ pub enum SourceArg {
         file: PathBuf,
         /// Times the original pace; infinite (`@max`) is as fast as it goes.
         speed: f64,
+        /// The topic whose numbers are the readings, µε, where it is no recording of hapdef.
+        topic: Option<String>,
     },
     /// `csv:DEV[@CHANNELS]`: lines of integers, as the paper's authors' sketch prints them.
     Csv {
@@ -62,6 +64,8 @@ pub enum SourceArgError {
     Form { found: String },
     #[error("{found:?}: expected {expected}")]
     Number { found: String, expected: &'static str },
+    #[error("{found}: a topic is read of a recording alone: replay:FILE")]
+    Topic { found: String },
 }
 
 impl SourceArg {
@@ -77,7 +81,7 @@ impl SourceArg {
     /// The source, with one integer a line for each of `n_gauges` where no number is named.
     ///
     /// # Errors
-    /// A recording that can't be opened, or a file that is none.
+    /// A recording that can't be opened, or a file that is none, or has no such topic.
     pub fn open_for(&self, n_gauges: usize) -> Result<Box<dyn FrameSource>, HapdefError> {
         Ok(match self {
             Self::Serial { device, baud } => stream(serial(device, *baud), Protocol::Hdp1),
@@ -86,12 +90,28 @@ impl SourceArg {
                 let n_channels = n_channels.unwrap_or(n_gauges);
                 stream(serial(device, BAUD), Protocol::Csv { n_channels })
             }
-            Self::Replay { file, speed } => {
+            Self::Replay { file, speed, topic: None } => {
                 let messages = Recording::open(file)?.with_first_chunk()?.messages();
-                let name = self.to_string();
-                Box::new(ReplaySource::new(&name, messages, *speed))
+                Box::new(ReplaySource::new(&self.to_string(), messages, *speed))
+            }
+            Self::Replay { file, speed, topic: Some(topic) } => {
+                let messages = NumbersTopic::open(file, topic)?.messages()?;
+                Box::new(ReplaySource::new(&self.to_string(), messages, *speed))
             }
         })
+    }
+
+    /// The same, but the numbers of a topic of the recording.
+    ///
+    /// # Errors
+    /// [`SourceArgError::Topic`] where it is no recording.
+    pub fn of_topic(&self, named: &str) -> Result<Self, SourceArgError> {
+        let mut of_topic = self.clone();
+        match &mut of_topic {
+            Self::Replay { topic, .. } => *topic = Some(named.to_owned()),
+            other => return Err(SourceArgError::Topic { found: other.to_string() }),
+        }
+        Ok(of_topic)
     }
 
     /// Whether its readings were recorded before.
@@ -141,10 +161,14 @@ impl std::fmt::Display for SourceArg {
         match self {
             Self::Serial { device, baud } => write!(f, "serial:{device}@{baud}"),
             Self::Tcp { address } => write!(f, "tcp:{address}"),
-            Self::Replay { file, speed } if speed.is_finite() => {
-                write!(f, "replay:{}@{speed}", file.display())
+            Self::Replay { file, speed, topic } => {
+                write!(f, "replay:{}@", file.display())?;
+                match speed.is_finite() {
+                    true => write!(f, "{speed}")?,
+                    false => f.write_str("max")?,
+                }
+                topic.as_ref().map_or(Ok(()), |topic| write!(f, ", topic {topic}"))
             }
-            Self::Replay { file, .. } => write!(f, "replay:{}@max", file.display()),
             Self::Csv { device, n_channels: Some(n) } => write!(f, "csv:{device}@{n}"),
             Self::Csv { device, .. } => write!(f, "csv:{device}"),
         }
@@ -195,13 +219,13 @@ fn tcp(text: &str, rest: &str) -> Result<SourceArg, SourceArgError> {
 
 /// A file's name may have an @ in it: only a number, or `max`, behind the last one is a speed.
 fn replay(text: &str, rest: &str) -> Result<SourceArg, SourceArgError> {
-    let whole = || SourceArg::Replay { file: rest.into(), speed: 1.0 };
+    let of = |file: &str, speed| SourceArg::Replay { file: file.into(), speed, topic: None };
     let Some((file, speed)) = rest.rsplit_once('@').filter(|(file, _)| !file.is_empty()) else {
-        return Ok(whole());
+        return Ok(of(rest, 1.0));
     };
     match parse_speed(speed) {
-        Ok(speed) => Ok(SourceArg::Replay { file: file.into(), speed }),
-        Err(_) if speed.parse::<f64>().is_err() => Ok(whole()),
+        Ok(speed) => Ok(of(file, speed)),
+        Err(_) if speed.parse::<f64>().is_err() => Ok(of(rest, 1.0)),
         Err(expected) => Err(SourceArgError::Number { found: text.to_owned(), expected }),
     }
 }
@@ -269,6 +293,14 @@ mod tests {
             let error = text.parse::<SourceArg>().unwrap_err();
             assert!(matches!(error, SourceArgError::Number { .. }), "{text}");
         }
+    }
+
+    #[test]
+    fn a_topic_is_one_of_a_recording() {
+        let of = |source: &str| source.parse::<SourceArg>().unwrap().of_topic("/strain");
+        assert_eq!(of("replay:a.mcap@2").unwrap().to_string(), "replay:a.mcap@2, topic /strain");
+        let error = of("tcp:robot:7000").unwrap_err();
+        assert!(error.to_string().starts_with("tcp:robot:7000: a topic is read of"), "{error}");
     }
 
     #[test]

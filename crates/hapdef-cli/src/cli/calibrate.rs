@@ -49,13 +49,13 @@ fn from_table(
 
 fn read_presses(args: &CalibrateArgs, skin: &Skin, gauges: &[GaugeEntry]) -> Result<Vec<Press>> {
     let names: Vec<&str> = gauges.iter().map(|site| site.name.as_str()).collect();
-    let rows = read_table(&args.table, &["x_m", "y_m", "z_m", "force_n"], &names)?;
+    let rows = read_table(&args.table, &args.topic, &["x_m", "y_m", "z_m", "force_n"], &names)?;
     let press = |row: &Row| {
         let (place, readings) = row.values.split_at(4);
         let position = Point3::new(place[0], place[1], place[2]);
         let off_m = args.off_skin_mm * 1e-3;
         Press::at_position(skin, &position, off_m, place[3], readings.to_vec())
-            .with_context(|| format!("{}: line {}", shown(&args.table), row.line))
+            .with_context(|| format!("{}: {}", shown(&args.table), row.place))
     };
     rows.iter().map(press).collect()
 }

@@ -7,6 +7,8 @@ use clap::Args;
 use hapdef::{SOURCE_FORMS, SourceArg, SourceArgError};
 use hapdef_cli::SceneArgs;
 
+use super::topic::TopicArgs;
+
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     hapdef calibrate fixtures/shin/placed.json presses.csv calibration.json\n  \
@@ -16,8 +18,10 @@ use hapdef_cli::SceneArgs;
 pub(crate) struct CalibrateArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
-    /// The table of presses.
+    /// The table of presses; or an MCAP file, with --topic.
     pub(super) table: PathBuf,
+    #[command(flatten)]
+    pub(super) topic: TopicArgs,
     /// The file to write.
     pub(super) calibration: PathBuf,
     /// Standard deviation of a reading's noise, µε, quantisation included.

@@ -11,6 +11,7 @@ use hapdef_cli::{SceneArgs, shown};
 use serde_json::{Value, json};
 
 use super::table::read_table;
+use super::topic::TopicArgs;
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
@@ -21,8 +22,10 @@ pub(crate) struct ContactsArgs {
     #[command(flatten)]
     scene: SceneArgs,
     /// Tared readings, µε: a frame a line, a column for each gauge by its name or in order; commas,
-    /// semicolons or tabs between.
+    /// semicolons or tabs between. Or an MCAP file, with --topic.
     readings: PathBuf,
+    #[command(flatten)]
+    topic: TopicArgs,
     /// Print a frame a line as JSON.
     #[arg(long)]
     json: bool,
@@ -32,7 +35,7 @@ pub(crate) fn run(args: &ContactsArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let names: Vec<&str> = run.scene.gauges.sites.iter().map(|site| site.name.as_str()).collect();
-    let frames = read_table(&args.readings, &[], &names)?;
+    let frames = read_table(&args.readings, &args.topic, &[], &names)?;
     let mut estimator = touch_estimator(&run, &limb)?;
     let mut touch = Touch::default();
     let mut out = std::io::stdout().lock();

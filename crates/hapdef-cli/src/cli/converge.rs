@@ -37,12 +37,12 @@ pub(crate) fn converge(args: &ConvergeArgs) -> Result<()> {
     if args.json {
         print_json(&study, true)?;
     } else {
-        show(&study);
+        show(&study, &limb);
     }
     Ok(())
 }
 
-fn show(study: &Convergence) {
+fn show(study: &Convergence, limb: &Limb) {
     println!("   FE nodes   equations  straightened    build s  adjoint s   tip µm/N  point µm/N");
     for level in &study.levels {
         println!(
@@ -60,7 +60,7 @@ fn show(study: &Convergence) {
     for estimate in &study.estimates {
         println!("{}", line(estimate));
     }
-    println!("{study}");
+    println!("{}", study.in_words(limb));
 }
 
 /// The shell and the scene's solid against the finest solid.

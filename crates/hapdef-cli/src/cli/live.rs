@@ -32,6 +32,7 @@ use super::live_ros::{Attached, Recordings, RosArgs};
 use super::network::{IS_READ, check_reach};
 use super::signals::stop_flag;
 use super::sim::simulated;
+use super::topic::TopicArgs;
 use super::view::{FirstPaint, FirstPaintParams, Origin, Reach, Sim, View, ViewArgs};
 
 #[derive(Args)]
@@ -39,6 +40,7 @@ use super::view::{FirstPaint, FirstPaintParams, Origin, Reach, Sim, View, ViewAr
     hapdef bundle fixtures/shin/placed.json -o shin.hapdef\n  \
     hapdef live shin.hapdef --source serial:/dev/serial/by-id/usb-Arduino_Due\n  \
     hapdef live shin.hapdef --source replay:press.mcap@max --json | jq .contacts\n  \
+    hapdef live shin.hapdef --source replay:bag.mcap --topic /strain\n  \
     hapdef live fixtures/shin/placed.json --sim --seconds 10 --record press.mcap\n  \
     hapdef live fixtures/shin/placed.json --sim --view\n\n\
     Touch nothing while it tares. A device that goes away is waited for. Contacts go to the \
@@ -54,6 +56,8 @@ pub(crate) struct LiveArgs {
     scene: SceneArgs,
     #[arg(long, help = format!("Where readings come from: {SOURCE_FORMS}"))]
     source: Option<SourceArg>,
+    #[command(flatten)]
+    topic: TopicArgs,
     /// Play the scene's simulated rig at 1 kHz, pressed at random; needs a scene.
     #[arg(long)]
     sim: bool,
@@ -254,8 +258,9 @@ impl Model {
 impl Source {
     /// What `--source` names; a recording that is looked at can be stopped and gone to any time of.
     fn of(args: &LiveArgs, source: &SourceArg, n_gauges: usize) -> Result<Self> {
-        let (frames, player): (Box<dyn FrameSource>, _) = match source {
-            SourceArg::Replay { file, speed } if args.view.is_wanted() => {
+        let source = args.topic.of(source)?;
+        let (frames, player): (Box<dyn FrameSource>, _) = match &source {
+            SourceArg::Replay { file, speed, topic: None } if args.view.is_wanted() => {
                 ensure!(
                     args.ros.record.is_none(),
                     "--record: a replay on the page can go back, which a recording can't: leave \

@@ -20,6 +20,7 @@ mod live;
 mod live_end;
 mod live_record;
 mod live_ros;
+mod mesh;
 mod network;
 mod new;
 mod pages;
@@ -38,6 +39,7 @@ mod signals;
 mod sim;
 mod stage;
 mod table;
+mod topic;
 mod truth;
 mod unit;
 mod view;
@@ -105,6 +107,8 @@ enum Command {
     Shell(shell::ShellArgs),
     /// One clean skin of a dirty surface, faithful or refused, with what was lost and bridged.
     Wrap(wrap::WrapArgs),
+    /// A volume mesh of a closed surface, by a gmsh that is installed here.
+    Mesh(mesh::MeshArgs),
     /// What the scene's gauges can tell about contacts: bounds on the limb, blind spots.
     Limits(limits::LimitsArgs),
     /// Where on the inner wall to put gauges.
@@ -172,6 +176,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Converge(args) => converge::converge(args),
         Command::Shell(args) => shell::shell(args),
         Command::Wrap(args) => wrap::run(args),
+        Command::Mesh(args) => mesh::run(args),
         Command::Limits(args) => limits::run(args),
         Command::Place(args) => place::run(args),
         Command::Print(args) => print::run(args),

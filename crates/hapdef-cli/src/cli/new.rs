@@ -40,6 +40,9 @@ pub(crate) struct NewArgs {
     /// The end along the axis that is held: low is where the axis comes from.
     #[arg(long)]
     mount_end: Option<End>,
+    /// The joint of a .urdf that holds the link, at the end nearer to it.
+    #[arg(long, value_name = "NAME", conflicts_with = "mount_end")]
+    mount_joint: Option<String>,
     /// How far from that end the limb is held, mm; 5 % of its length when not given.
     #[arg(long)]
     mount: Option<f64>,
@@ -148,6 +151,7 @@ impl NewArgs {
             unit: self.unit.map(Into::into),
             axis: self.axis,
             mount_end: self.mount_end.map(Into::into),
+            mount_joint: self.mount_joint.clone(),
             mount_m: self.mount.map(metres),
             wall_m: self.wall.map(metres),
             solver: self.solver.into(),

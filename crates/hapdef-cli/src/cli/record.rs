@@ -14,6 +14,7 @@ use hapdef_daq::source::{LinkState, SourceStats};
 use hapdef_daq::{AcquireParams, Acquisition, Message, Receiver, acquire};
 
 use super::signals::stop_flag;
+use super::topic::TopicArgs;
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
@@ -23,6 +24,8 @@ use super::signals::stop_flag;
 pub(crate) struct RecordArgs {
     #[arg(long, help = format!("Where readings come from: {SOURCE_FORMS}"))]
     source: SourceArg,
+    #[command(flatten)]
+    topic: TopicArgs,
     /// The recording.
     #[arg(short, long)]
     out: PathBuf,
@@ -45,6 +48,7 @@ pub(crate) struct RecordArgs {
 
 pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     let out = &args.out;
+    let source = args.topic.of(&args.source)?;
     if !args.force && out.exists() {
         bail!("{}: is there already; choose another name or say --force", shown(out));
     }
@@ -52,7 +56,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
         |path: &PathBuf| std::fs::read(path).with_context(|| format!("{}: reading", shown(path)));
     let params = RecordParams {
         calibration: args.calibration.as_ref().map(read).transpose()?,
-        source: args.source.to_string(),
+        source: source.to_string(),
         overwrites: args.force,
         ..RecordParams::default()
     };
@@ -64,7 +68,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     // The device has one host: who is refused must not take it from who records.
     check_unclaimed(out)?;
     let stop = stop_flag()?;
-    let (acquisition, receivers) = acquire(args.source.open()?, acquire_params)?;
+    let (acquisition, receivers) = acquire(source.open()?, acquire_params)?;
     let [for_file, for_us]: [Receiver; 2] =
         receivers.try_into().map_err(|_| anyhow::anyhow!("two receivers were asked for"))?;
     let recorder = record(for_file, out, params)?;
@@ -77,7 +81,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     if acquired.is_panicked {
         bail!(
             "{}: the reader's thread panicked; the readings until then are in {}",
-            args.source,
+            source,
             shown(out)
         );
     }

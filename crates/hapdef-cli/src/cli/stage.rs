@@ -38,7 +38,7 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
 /// How far what the page draws is off what can be touched.
 fn say_what_is_drawn(run: &Run, limb: &Limb) -> Result<()> {
     let Some(drawn) = DrawnSkin::load(&run.scene, &run.scene_dir, limb)? else {
-        println!("drawn skin: the deck's, of which the touchable skin is a part");
+        println!("drawn skin: the limb's own, of which the touchable skin is a part");
         return Ok(());
     };
     let (n, n_beside) = (drawn.vertices_m.len(), drawn.moves_with.len());

@@ -1,16 +1,23 @@
 //! Tables of numbers as loggers and spreadsheets write them: commas, semicolons or tabs between,
-//! decimal commas, comments, a byte-order mark, names in the first line, columns of other things.
+//! decimal commas, comments, a byte-order mark, names in the first line, columns of other things; or the
+//! messages of a topic in an MCAP file.
 
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use hapdef_cli::shown;
+use hapdef_daq::record::{NumbersTopic, is_mcap};
+
+use super::topic::TopicArgs;
+
+/// The topic of the tared readings in a recording with contacts.
+const GAUGES: &str = "/hapdef/gauges";
 
 /// A row and where it stands.
 #[derive(Debug, PartialEq)]
 pub(super) struct Row {
-    /// Its line, from 1.
-    pub(super) line: usize,
+    /// Its line or message, from 1, in words.
+    pub(super) place: String,
     /// The columns that were asked for, in their order.
     pub(super) values: Vec<f64>,
 }
@@ -20,12 +27,23 @@ pub(super) struct Row {
 /// A first line that is no numbers names the columns: a gauge's has its name, with or without `_ue`,
 /// and columns with other names, such as the time, are passed over. Where it names no gauge at all,
 /// or numbers them as `hapdef probe` does, and without names, the columns are all there are, in order.
-/// Lines that start with `#` are comments.
+/// Lines that start with `#` are comments. Of an MCAP file the numbers of a topic's messages are the
+/// columns, by their names where they have some.
 ///
 /// # Errors
 /// A table without rows, a column that is not there, or what is no finite number, with its line.
-pub(super) fn read_table(path: &Path, leading: &[&str], gauges: &[&str]) -> Result<Vec<Row>> {
+pub(super) fn read_table(
+    path: &Path,
+    topic: &TopicArgs,
+    leading: &[&str],
+    gauges: &[&str],
+) -> Result<Vec<Row>> {
     let file = shown(path);
+    if is_mcap(path)? {
+        let topic = topic.topic.as_deref().unwrap_or(GAUGES);
+        return message_rows(NumbersTopic::open(path, topic)?, leading, gauges).context(file);
+    }
+    ensure!(topic.topic.is_none(), "{file}: --topic: no MCAP file, so it has no topics");
     let bytes = std::fs::read(path).with_context(|| format!("{file}: reading"))?;
     rows(&String::from_utf8_lossy(&bytes), leading, gauges).context(file)
 }
@@ -68,19 +86,49 @@ fn rows(text: &str, leading: &[&str], gauges: &[&str]) -> Result<Vec<Row>> {
                     fields[*column]
                 )
             })?;
-            ensure!(
-                value.is_finite(),
-                "line {line}, column {}{name}: {value} is no reading; leave the row out, or find out \
-                 why the gauge has none",
-                column + 1
-            );
-            Ok(value)
+            reading(value).with_context(|| format!("line {line}, column {}{name}", column + 1))
         };
         let values = columns.iter().map(value).collect::<Result<_>>()?;
-        rows.push(Row { line, values });
+        rows.push(Row { place: format!("line {line}"), values });
     }
     ensure!(!rows.is_empty(), "no row of numbers: the table has names only");
     Ok(rows)
+}
+
+/// The rows of a topic.
+fn message_rows(mut topic: NumbersTopic, leading: &[&str], gauges: &[&str]) -> Result<Vec<Row>> {
+    let (n_wanted, n_found) = (leading.len() + gauges.len(), topic.n_values());
+    let columns = match topic.names() {
+        Some(names) => {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            named_columns(&names, leading, gauges).context("names of the numbers")?
+        }
+        None => (0..n_wanted).collect(),
+    };
+    ensure!(
+        topic.names().is_some() || n_found == n_wanted,
+        "message 1: expected {n_wanted} numbers{}, found {n_found}",
+        expected(leading, gauges, false)
+    );
+    let mut rows = Vec::new();
+    while let Some(row) = topic.next_row()? {
+        let place = format!("message {}", row.number);
+        let value = |column: &usize| {
+            reading(row.values[*column]).with_context(|| format!("{place}, number {}", column + 1))
+        };
+        let values = columns.iter().map(value).collect::<Result<_>>()?;
+        rows.push(Row { place, values });
+    }
+    Ok(rows)
+}
+
+/// A number that a gauge can read.
+fn reading(value: f64) -> Result<f64> {
+    ensure!(
+        value.is_finite(),
+        "{value} is no reading; leave the row out, or find out why the gauge has none"
+    );
+    Ok(value)
 }
 
 fn expected(leading: &[&str], gauges: &[&str], is_header: bool) -> String {
@@ -130,6 +178,10 @@ fn named_columns(names: &[&str], leading: &[&str], gauges: &[&str]) -> Result<Ve
 
 #[cfg(test)]
 mod tests {
+    use hapdef_daq::record::{RecordParams, TopicDef, record};
+    use hapdef_daq::source::ReplaySource;
+    use hapdef_daq::{AcquireParams, acquire};
+
     use super::*;
 
     const GAUGES: [&str; 2] = ["g0", "Tip"];
@@ -196,6 +248,54 @@ mod tests {
         );
     }
 
+    /// An MCAP file with messages of JSON on a topic.
+    fn logged(path: &Path, messages: &[&str]) {
+        let nobody = ReplaySource::new("nobody", std::iter::empty(), 1.0);
+        let (_acquisition, mut receivers) = acquire(nobody, AcquireParams::default()).unwrap();
+        let topic = TopicDef {
+            name: "/presses".into(),
+            message_encoding: "json".into(),
+            schema_name: String::new(),
+            schema_encoding: String::new(),
+            schema: String::new(),
+        };
+        let params = RecordParams { topics: vec![topic], ..RecordParams::default() };
+        let recorder = record(receivers.remove(0), path, params).unwrap();
+        let topics = recorder.topics();
+        assert!((0..).zip(messages).all(|(i, json)| topics.put(0, i, json.as_bytes().to_vec())));
+        recorder.finish().unwrap();
+    }
+
+    #[test]
+    fn messages_are_rows() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.mcap");
+        let topic = |name: Option<&str>| TopicArgs { topic: name.map(str::to_owned) };
+        let read = |messages: &[&str], name| {
+            logged(&path, messages);
+            let rows = read_table(&path, &topic(name), &["x_m"], &GAUGES);
+            std::fs::remove_file(&path).unwrap();
+            rows
+        };
+        #[track_caller]
+        fn refused(found: Result<Vec<Row>>, expected: &str) {
+            let found = format!("{:#}", found.unwrap_err());
+            assert!(found.contains(expected), "{found}");
+        }
+        let presses = Some("/presses");
+        let rows = read(&["[1, 2, 3]", "[4, 5, 6]"], presses).unwrap();
+        assert_eq!(rows[1], Row { place: "message 2".into(), values: vec![4.0, 5.0, 6.0] });
+        let named = r#"{"t": 0, "tip": 3, "X_m": 1, "g0_ue": 2}"#;
+        assert_eq!(read(&[named], presses).unwrap()[0].values, [1.0, 2.0, 3.0]);
+        refused(read(&["[1, 2]"], presses), "message 1: expected 3 numbers (x_m, then 2 gauges)");
+        refused(read(&[r#"{"x_m": 1, "g0": 2}"#], presses), "expected one named \"tip\"");
+        refused(read(&["[1, 2, null]"], presses), "message 1, number 3: NaN is no reading");
+        refused(read(&["[1, 2, 3]"], None), "no topic /hapdef/gauges; it has /gauges");
+        let table = folder.path().join("table.csv");
+        std::fs::write(&table, "1,2,3\n").unwrap();
+        refused(read_table(&table, &topic(presses), &["x_m"], &GAUGES), "--topic: no MCAP file");
+    }
+
     /// What loggers wrote, of ten gauges.
     #[test]
     #[allow(clippy::print_stdout, reason = "what is skipped is said")]
@@ -209,7 +309,7 @@ mod tests {
         }
         let names: Vec<String> = (0..10).map(|i| format!("g{i}")).collect();
         let gauges: Vec<&str> = names.iter().map(String::as_str).collect();
-        let read = |file: &str| read_table(&folder.join(file), &[], &gauges);
+        let read = |file: &str| read_table(&folder.join(file), &TopicArgs::default(), &[], &gauges);
         let last = [12.1, -3.2, 5.5, 0.1, 7.7, -2.2, 1.0, 0.4, 3.3, -1.1];
         for file in [
             "bom_crlf",

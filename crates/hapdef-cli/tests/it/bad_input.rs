@@ -336,7 +336,10 @@ fn how_far_the_touchable_skin_is_off_the_drawn_one_is_said() {
         String::from_utf8(output.stdout).unwrap()
     };
     let own = said(&shin().join("demo.json"));
-    assert!(own.contains("drawn skin: the deck's, of which the touchable skin is a part"), "{own}");
+    assert!(
+        own.contains("drawn skin: the limb's own, of which the touchable skin is a part"),
+        "{own}"
+    );
     let shorter = said(&scene_with_gltf(folder.path()));
     let words = shorter.split_once("the touchable skin is at most ").expect(&shorter).1;
     let (gap_mm, rest) = words.split_once(" mm off the drawn one, at (").expect(&shorter);

@@ -13,6 +13,7 @@ mod live;
 mod live_browser;
 mod live_device;
 mod live_page;
+mod mesh_command;
 mod new_limb;
 mod person;
 mod printed;

@@ -346,3 +346,34 @@ fn doctor_finds_what_is_wrong_with_the_channels() {
         assert_eq!(check["state"] != "ok", check["fix"].is_string(), "{check}");
     }
 }
+
+#[test]
+fn a_topic_is_recorded_as_a_device() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = made(folder.path(), 300);
+    let out = folder.path().join("topic.mcap");
+    let source = format!("replay:{}@max", text(&made));
+    let recorded = run(&["record", "--source", &source, "--topic", "/gauges", "-o", text(&out)]);
+    assert!(recorded.status.success(), "{recorded:?}");
+    let values = |path: &Path| -> Vec<Vec<f64>> {
+        let messages = Recording::open(path).unwrap().messages();
+        let frames = messages.filter_map(|message| match message {
+            Message::Frame(frame) => Some(frame.values().collect()),
+            _ => None,
+        });
+        frames.collect()
+    };
+    assert_eq!(values(&out), values(&made));
+
+    let refused = |arguments: &[&str], expected: &str| {
+        let output = run(arguments);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && error.contains(expected), "{output:?}");
+    };
+    let new = folder.path().join("new.mcap");
+    let record = |source: &str, topic: &str, expected: &str| {
+        refused(&["record", "--source", source, "--topic", topic, "-o", text(&new)], expected);
+    };
+    record(&source, "/strain", "no topic /strain; it has /gauges (hapdef.Gauges, json)");
+    record("tcp:127.0.0.1:7000", "/strain", "a topic is read of a recording alone");
+}

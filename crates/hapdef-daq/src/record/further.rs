@@ -111,7 +111,7 @@ pub(crate) fn topics_json(topics: &[TopicDef]) -> Value {
 /// allocates what they say before it looks whether so much is there.
 struct Fields<'a>(&'a [u8]);
 
-/// The further topics of a file that is being read, as far as they are known.
+/// The topics of a file that is being read, as far as they are known.
 #[derive(Default)]
 pub(crate) struct Definitions {
     schemas: BTreeMap<u16, [String; 3]>,
@@ -172,9 +172,19 @@ impl Definitions {
                 schema_encoding,
                 schema,
             };
-            (id >= FIRST_ID).then(|| (id, Arc::new(topic)))
+            Some((id, Arc::new(topic)))
         });
         self.topics.extend(topic);
+    }
+
+    /// The topics, in words.
+    pub(crate) fn in_words(&self) -> String {
+        let in_words = |topic: &Arc<TopicDef>| match topic.schema_name.as_str() {
+            "" => format!("{} ({})", topic.name, topic.message_encoding),
+            schema => format!("{} ({schema}, {})", topic.name, topic.message_encoding),
+        };
+        let topics: Vec<String> = self.topics.values().map(in_words).collect();
+        if topics.is_empty() { "none".to_owned() } else { topics.join(", ") }
     }
 
     /// Takes the second copy, where a session's record has one.

@@ -60,6 +60,7 @@ impl Player {
     /// # Errors
     /// A file that can't be read, or has no frame.
     pub fn open(path: &Path, speed: f64) -> Result<Self, DaqError> {
+        Recording::open(path)?.with_first_chunk()?;
         let span = Recording::open(path)?.span_ns()?;
         let span_ns = span.ok_or_else(|| DaqError::NoFrames { path: path.to_owned() })?;
         Ok(Self {

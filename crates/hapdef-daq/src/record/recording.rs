@@ -6,15 +6,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::further::{Definitions, TopicDef};
-use super::scan::{ChunkScanner, DamageInfo, next_record};
+use super::numbers::NumbersTopic;
+use super::scan::{
+    CHANNEL, ChunkScanner, DamageInfo, MESSAGE, MESSAGE_FIELDS_LEN, SCHEMA, channel_and_time,
+    next_record,
+};
 use super::topics::{Topic, read_device, read_frame};
 use crate::{DaqError, Message};
-
-const SCHEMA: u8 = 0x03;
-const CHANNEL: u8 = 0x04;
-const MESSAGE: u8 = 0x05;
-/// Channel, sequence, two times.
-const MESSAGE_FIELDS_LEN: usize = 2 + 4 + 8 + 8;
 
 /// One record of a recording.
 #[derive(Clone, Debug)]
@@ -84,17 +82,23 @@ impl Recording {
     /// The same with its first whole chunk read, so that a file of another kind is refused at once.
     ///
     /// # Errors
-    /// [`DaqError::NothingToRecover`] for a file without such a chunk; a file that can't be read.
+    /// [`DaqError::NoTopic`] for an MCAP file of another program, [`DaqError::NothingToRecover`] for
+    /// a file without such a chunk; a file that can't be read.
     pub fn with_first_chunk(mut self) -> Result<Self, DaqError> {
-        if !self.next_chunk()? {
-            let file = std::fs::metadata(&self.path);
-            return Err(DaqError::NothingToRecover {
-                n_bytes: file.map_or(0, |file| file.len()),
-                path: self.path,
-            });
-        }
+        let has_chunk = self.next_chunk()?;
         self.take_records();
-        Ok(self)
+        let gauges = Topic::Gauges;
+        let defined = self.definitions.topic(gauges.id());
+        if has_chunk && defined.is_none_or(|topic| topic.name == gauges.name()) {
+            return Ok(self);
+        }
+        if let Err(other @ DaqError::NoTopic { .. }) = NumbersTopic::open(&self.path, gauges.name())
+        {
+            return Err(other);
+        }
+        let file = std::fs::metadata(&self.path);
+        let n_bytes = file.map_or(0, |file| file.len());
+        Err(DaqError::NothingToRecover { path: self.path, n_bytes })
     }
 
     /// The same without the frames before a time, which are passed over fast; what the device said of
@@ -177,12 +181,6 @@ impl Recording {
             chunk = rest;
         }
     }
-}
-
-fn channel_and_time(content: &[u8]) -> Option<(u16, u64)> {
-    let (fields, _) = content.split_at_checked(MESSAGE_FIELDS_LEN)?;
-    let channel = u16::from_le_bytes([fields[0], fields[1]]);
-    Some((channel, u64::from_le_bytes(fields[6..14].try_into().ok()?)))
 }
 
 /// Whether a message is from before `from_ns` and none of the device's own.

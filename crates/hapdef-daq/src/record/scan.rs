@@ -6,15 +6,20 @@
 
 use std::io::{self, Read};
 
-const CHUNK: u8 = 0x06;
+pub(super) const SCHEMA: u8 = 0x03;
+pub(super) const CHANNEL: u8 = 0x04;
+pub(super) const MESSAGE: u8 = 0x05;
+pub(super) const CHUNK: u8 = 0x06;
 /// Opcode and length of a record.
-const PREFIX_LEN: usize = 9;
+pub(super) const PREFIX_LEN: usize = 9;
+/// Fields of a message before what it says: channel, sequence, two times.
+pub(super) const MESSAGE_FIELDS_LEN: usize = 2 + 4 + 8 + 8;
 /// Fields of a chunk before its records: two times, size, CRC, no compression, size again.
 const FIELDS_LEN: usize = 8 + 8 + 8 + 4 + 4 + 8;
 /// Longest chunk that is read.
 const MAX_RECORDS_LEN: usize = 16 << 20;
 const READ_LEN: usize = 1 << 18;
-const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
+pub(super) const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
 
 /// How whole a file is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -186,4 +191,11 @@ pub(crate) fn next_record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     let len = u64::from_le_bytes(prefix[1..].try_into().ok()?);
     let (content, rest) = rest.split_at_checked(usize::try_from(len).ok()?)?;
     Some((prefix[0], content, rest))
+}
+
+/// Channel and time, ns, of a message.
+pub(super) fn channel_and_time(content: &[u8]) -> Option<(u16, u64)> {
+    let (fields, _) = content.split_at_checked(MESSAGE_FIELDS_LEN)?;
+    let channel = u16::from_le_bytes([fields[0], fields[1]]);
+    Some((channel, u64::from_le_bytes(fields[6..14].try_into().ok()?)))
 }

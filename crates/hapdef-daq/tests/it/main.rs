@@ -12,6 +12,7 @@ mod firmware;
 mod hdp1;
 mod hdp1_faults;
 mod hdp1_laws;
+mod numbers;
 mod other_device;
 mod player;
 mod python_mcap;

@@ -165,6 +165,7 @@ class Scene:
         seconds: Optional[float] = None,
         tare_s: float = 1.0,
         seed: int = 1,
+        topic: Optional[str] = None,
     ) -> "Live":
         """Live contacts, frame by frame.
 
@@ -173,6 +174,7 @@ class Scene:
         seconds: length of the simulated play, endless if None; a source ends by itself or `close`.
         tare_s: time whose mean is the tare; touch nothing.
         seed: of the simulated presses.
+        topic: read the numbers of this topic, µε, of a ``replay:`` of an MCAP file of another program.
         """
 
 @final

@@ -25,7 +25,7 @@ pub(crate) fn facts(made: &Made<'_>) -> Vec<NamedText> {
                 limb["n_fe_nodes"], limb["n_equations"], limb["nnz_l"], limb["n_loads"]
             ),
         ),
-        named("mesh", made.mesh_check.to_string()),
+        named("mesh", made.mesh_check.in_words(made.limb)),
         named("rig", format!("its own mesh of {} FE nodes, perturbed", rig["n_fe_nodes"])),
         samples,
         training,

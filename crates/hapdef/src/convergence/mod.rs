@@ -7,8 +7,6 @@ mod estimate;
 mod level;
 mod shell;
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
 
 pub use estimate::{Quantity, QuantityEstimate};
@@ -17,6 +15,7 @@ pub use shell::{GaugeAgreement, ShellAgreement};
 
 use crate::error::HapdefError;
 use crate::limb::Limb;
+use crate::scene::WallSolver;
 use estimate::estimate;
 use level::Levels;
 
@@ -121,8 +120,18 @@ fn judge(readings: &QuantityEstimate, params: &ConvergenceParams) -> Verdict {
     }
 }
 
-impl fmt::Display for Convergence {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Convergence {
+    /// The judgement of what `limb` is solved as, its mesh or the shell of its wall, and what to do.
+    #[must_use]
+    pub fn in_words(&self, limb: &Limb) -> String {
+        let is_shell = limb.wall.as_ref().is_some_and(|wall| wall.solver == WallSolver::Shell);
+        match &self.shell {
+            Some(shell) if is_shell => self.shell_in_words(shell),
+            _ => self.mesh_in_words(),
+        }
+    }
+
+    fn mesh_in_words(&self) -> String {
         let readings = &self.estimates[0];
         let (median, worst) = (readings.median_error[0], readings.worst_error[0]);
         let measured = format!(
@@ -133,17 +142,15 @@ impl fmt::Display for Convergence {
             self.params.n_presses
         );
         match self.verdict {
-            Verdict::Converged => write!(f, "CONVERGED: {measured}"),
-            Verdict::Refine { refinements } => write!(
-                f,
+            Verdict::Converged => format!("CONVERGED: {measured}"),
+            Verdict::Refine { refinements } => format!(
                 "NOT CONVERGED: {measured}; set \"refinements\": {refinements} under \"geometry\" \
                  ({} FE nodes, an estimated {:.0} % and {:.0} %)",
                 self.levels[refinements].n_fe_nodes,
                 100.0 * readings.median_error[refinements],
                 100.0 * readings.worst_error[refinements]
             ),
-            Verdict::NotConverged => write!(
-                f,
+            Verdict::NotConverged => format!(
                 "NOT CONVERGED: {measured}, and the finest mesh tried ({} FE nodes) still by {:.0} \
                  % and {:.0} %: use it (\"refinements\": {} under \"geometry\") or a better mesh, \
                  and calibrate",
@@ -153,5 +160,31 @@ impl fmt::Display for Convergence {
                 self.levels.len() - 1
             ),
         }
+    }
+
+    fn shell_in_words(&self, shell: &ShellAgreement) -> String {
+        let (readings, params, finest) = (&self.estimates[0], &self.params, self.levels.len() - 1);
+        let is_good = shell.median_difference <= params.max_median_error
+            && shell.worst_difference <= params.max_worst_error;
+        let advice = match is_good {
+            true => "",
+            false if shell.solid_median_difference < shell.median_difference => {
+                ": calibrate, or set \"solver\": \"solid\" under \"geometry\""
+            }
+            false => ": calibrate",
+        };
+        format!(
+            "{}: the shell's gauge readings differ from the finest solid's by {:.0} % (median) and \
+             {:.0} % (worst of {} presses), those of the solid on the scene's mesh by {:.0} % and \
+             {:.0} %; the finest solid's own are off by an estimated {:.0} % and {:.0} %{advice}",
+            if is_good { "CONVERGED" } else { "NOT CONVERGED" },
+            100.0 * shell.median_difference,
+            100.0 * shell.worst_difference,
+            params.n_presses,
+            100.0 * shell.solid_median_difference,
+            100.0 * shell.solid_worst_difference,
+            100.0 * readings.median_error[finest],
+            100.0 * readings.worst_error[finest]
+        )
     }
 }

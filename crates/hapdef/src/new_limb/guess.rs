@@ -24,7 +24,7 @@ const LENGTH_PER_WALL: f64 = 75.0;
 pub(super) fn axis(given: &Given, params: &NewLimbParams, guesses: &mut Vec<Guess>) -> Axis {
     let triangles = given.triangles();
     let longest = longest_axis(triangles.iter().copied());
-    let child = given.joints.as_ref().and_then(|joints| joints.child.as_ref());
+    let child = given.joints.as_ref().and_then(|joints| joints.farthest_child());
     let (axis, why) = match (params.axis, child) {
         (Some(direction), _) => (Axis { direction, ..longest }, "as stated".into()),
         (None, Some((name, place))) => {
@@ -59,8 +59,10 @@ pub(super) fn mount(
     params: &NewLimbParams,
     guesses: &mut Vec<Guess>,
 ) -> Result<Value, HapdefError> {
+    let joint = params.mount_joint.as_deref().map(|name| joint(given, name)).transpose()?;
     if params.mount_end.is_none()
         && params.mount_m.is_none()
+        && joint.is_none()
         && let GivenShape::Deck(deck, _) = &given.shape
         && let Some((mount, value, why)) = of_deck(deck)
     {
@@ -71,11 +73,17 @@ pub(super) fn mount(
     let points: Vec<_> = given.triangles().into_iter().flatten().collect();
     let [low, high] = extent_m(&points, &along);
     let length_m = params.mount_m.unwrap_or(HELD_SHARE * (high - low));
-    // the frame's origin is at 0 along any axis
-    let share = -low / (high - low);
-    let (end, why) = match params.mount_end {
-        Some(end) => (end, "as stated".to_owned()),
-        None => likely_end(share, given, params)?,
+    let share = |place: &Point3<f64>| (place.coords.dot(&along) - low) / (high - low);
+    let (end, why) = match (params.mount_end, joint) {
+        (Some(end), _) => (end, "as stated".to_owned()),
+        (None, Some(place)) => {
+            let percent = (100.0 * share(&place)).round() + 0.0;
+            (
+                nearer_end(share(&place)),
+                format!("the joint stated is at {percent:.0} % of the length"),
+            )
+        }
+        (None, None) => likely_end(share(&Point3::origin()), given, params)?,
     };
     let name = match end {
         LimbEnd::Low => "low",
@@ -87,20 +95,34 @@ pub(super) fn mount(
     Ok(json!({"kind": "end", "end": name, "length_m": to_micrometres(length_m)}))
 }
 
+/// Where the joint `name` of the link is, m.
+fn joint(given: &Given, name: &str) -> Result<Point3<f64>, HapdefError> {
+    let refused = |what: String| HapdefError::NewLimb { path: given.path.clone(), what };
+    let Some(joints) = &given.joints else {
+        return Err(refused("--mount-joint: only a .urdf has joints".to_owned()));
+    };
+    let place = joints.place(name);
+    place.ok_or_else(|| refused(format!("--mount-joint {name}: the link has {}", joints.names())))
+}
+
+fn nearer_end(share: f64) -> LimbEnd {
+    if share < 0.5 { LimbEnd::Low } else { LimbEnd::High }
+}
+
 /// The end that is held by where the frame's origin is, a share of the length from the low end.
 fn likely_end(
     share: f64,
     given: &Given,
     params: &NewLimbParams,
 ) -> Result<(LimbEnd, String), HapdefError> {
-    let end = if share < 0.5 { LimbEnd::Low } else { LimbEnd::High };
+    let end = nearer_end(share);
     let percent = (100.0 * share).round() + 0.0;
     let at = format!("the frame's origin is at {percent:.0} % of the length");
     if let Some(joints) = &given.joints {
         let joint = joints.parent.as_deref().unwrap_or("the base");
         return Ok((
             end,
-            format!("{at}, at the joint to its parent ({joint}); --mount-end states another"),
+            format!("{at}, at the joint to its parent ({joint}); --mount-joint states another"),
         ));
     }
     let is_sure = share <= ORIGIN_SHARE || share >= 1.0 - ORIGIN_SHARE;

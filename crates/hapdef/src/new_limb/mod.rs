@@ -30,6 +30,8 @@ pub struct NewLimbParams {
     pub axis: Option<[f64; 3]>,
     /// The end along the axis that is held.
     pub mount_end: Option<LimbEnd>,
+    /// The joint of a URDF's link that holds it: the end nearer to it is held.
+    pub mount_joint: Option<String>,
     /// How far from that end, m.
     pub mount_m: Option<f64>,
     /// Thickness of a skin's wall, m.
@@ -52,6 +54,7 @@ impl Default for NewLimbParams {
             unit: None,
             axis: None,
             mount_end: None,
+            mount_joint: None,
             mount_m: None,
             wall_m: None,
             solver: WallSolver::Auto,

@@ -14,8 +14,31 @@ use crate::error::HapdefError;
 pub(super) struct Joints {
     /// The joint to the link's parent; it is at the link's origin.
     pub(super) parent: Option<String>,
-    /// The farthest joint to a child, and where that is in the link's frame, m.
-    pub(super) child: Option<(String, Point3<f64>)>,
+    /// The joints to its children, and where they are in the link's frame, m.
+    pub(super) children: Vec<(String, Point3<f64>)>,
+}
+
+impl Joints {
+    /// The joint to a child that is farthest from the link's origin, if one is off it.
+    pub(super) fn farthest_child(&self) -> Option<&(String, Point3<f64>)> {
+        let off = self.children.iter().filter(|(_, place)| place.coords.norm() > 0.0);
+        off.max_by(|(_, a), (_, b)| a.coords.norm().total_cmp(&b.coords.norm()))
+    }
+
+    /// Where a joint of the link is in its frame, m.
+    pub(super) fn place(&self, name: &str) -> Option<Point3<f64>> {
+        if self.parent.as_deref() == Some(name) {
+            return Some(Point3::origin());
+        }
+        self.children.iter().find(|(child, _)| child == name).map(|(_, place)| *place)
+    }
+
+    /// The names of them all.
+    pub(super) fn names(&self) -> String {
+        let children = self.children.iter().map(|(name, _)| name);
+        let names: Vec<&str> = self.parent.iter().chain(children).map(String::as_str).collect();
+        if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+    }
 }
 
 /// A link as it is drawn.
@@ -78,7 +101,7 @@ fn drawn<'a>(link: Node<'a, 'a>) -> Option<(Node<'a, 'a>, &'static str)> {
 }
 
 fn joints(robot: Node<'_, '_>, link: &str) -> Result<Joints, String> {
-    let mut joints = Joints { parent: None, child: None };
+    let mut joints = Joints { parent: None, children: Vec::new() };
     for joint in children(robot, "joint") {
         let end = |kind| children(joint, kind).next().and_then(|node| node.attribute("link"));
         let name = joint.attribute("name").unwrap_or("without a name").to_owned();
@@ -86,10 +109,7 @@ fn joints(robot: Node<'_, '_>, link: &str) -> Result<Joints, String> {
             joints.parent = Some(name);
         } else if end("parent") == Some(link) {
             let place = Point3::from(origin(Some(joint))?.translation.vector);
-            let farthest = joints.child.as_ref().map_or(0.0, |(_, x)| x.coords.norm());
-            if place.coords.norm() > farthest {
-                joints.child = Some((name, place));
-            }
+            joints.children.push((name, place));
         }
     }
     Ok(joints)
@@ -131,6 +151,7 @@ fn mesh_file(urdf: &Path, name: &str) -> Option<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::new_limb::{NewLimb, NewLimbParams};
     use hapdef_mesh::write_glb;
 
     const ROBOT: &str = r#"<robot name="arm">
@@ -172,9 +193,29 @@ mod tests {
             let far = link.mesh.vertices()[1] - Point3::new(0.0, 0.1, 0.01);
             assert!(far.norm() < 1e-7, "{far}");
             assert_eq!(link.joints.parent.as_deref(), Some("elbow"));
-            assert_eq!(link.joints.child.unwrap().1, Point3::new(0.0, 0.2, 0.0));
+            let wrist = ("wrist".to_owned(), Point3::new(0.0, 0.2, 0.0));
+            assert_eq!(link.joints.farthest_child(), Some(&wrist));
+            assert_eq!(link.joints.place("wrist"), Some(wrist.1));
+            assert_eq!(link.joints.place("elbow"), Some(Point3::origin()));
+            assert_eq!(link.joints.names(), "elbow, wrist");
             assert!(link.said.contains("forearm, its visual mesh, 0.6 kg"), "{}", link.said);
         }
+    }
+
+    #[test]
+    fn the_joint_that_holds_the_link_is_at_the_end_that_is_held() {
+        let (_folder, urdf) = robot();
+        let mount = |joint: &str| {
+            let params =
+                NewLimbParams { mount_joint: Some(joint.into()), ..NewLimbParams::default() };
+            let limb = NewLimb::guess(&urdf, &params)?;
+            let mount = limb.guesses.iter().find(|guess| guess.what == "mount").unwrap();
+            Ok::<_, HapdefError>(mount.value.clone())
+        };
+        assert!(mount("elbow").unwrap().starts_with("low end"));
+        assert!(mount("wrist").unwrap().starts_with("high end"));
+        let error = mount("knee").unwrap_err().to_string();
+        assert!(error.contains("--mount-joint knee: the link has elbow, wrist"), "{error}");
     }
 
     #[test]

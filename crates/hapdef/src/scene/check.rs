@@ -1,6 +1,8 @@
 //! Ranges of the scene's values.
 
-use super::{ContactRegion, EstimatorSpec, Geometry, Mount, RigMesh, Scene, Shape, WallThickness};
+use super::{
+    ContactRegion, EstimatorSpec, Geometry, Mount, RigMesh, Scene, Shape, WallBox, WallThickness,
+};
 
 /// A value outside its range.
 pub(super) struct Fault {
@@ -26,13 +28,29 @@ fn check_geometry(geometry: &Geometry) -> Checked {
     if let Some(axis) = &geometry.axis {
         direction("geometry.axis.direction", &axis.direction)?;
     }
-    if let Shape::Skin(skin) = &geometry.shape
-        && let WallThickness::Constant(wall_m) = skin.wall
-    {
-        positive("geometry.wall_m", wall_m)?;
+    if let Shape::Skin(skin) = &geometry.shape {
+        check_wall(&skin.wall)?;
     }
     let n = geometry.refinements;
     require(n <= 2, "geometry.refinements", "0, 1 or 2", n.to_string())
+}
+
+fn check_wall(wall: &WallThickness) -> Checked {
+    match wall {
+        WallThickness::Constant(wall_m) => positive("geometry.wall_m", *wall_m),
+        WallThickness::File(_) => Ok(()),
+        WallThickness::Regions(regions) => {
+            positive("geometry.wall_m.elsewhere_m", regions.elsewhere_m)?;
+            let check =
+                |(i, region)| check_wall_box(&format!("geometry.wall_m.boxes[{i}]"), region);
+            regions.boxes.iter().enumerate().try_for_each(check)
+        }
+    }
+}
+
+fn check_wall_box(path: &str, WallBox { min_m, max_m, wall_m }: &WallBox) -> Checked {
+    positive(&format!("{path}.wall_m"), *wall_m)?;
+    ordered(&format!("{path}.max_m"), "above min_m in x, y and z", min_m, max_m)
 }
 
 fn check_estimator(estimator: &EstimatorSpec) -> Checked {
@@ -72,8 +90,7 @@ fn check_mount(mount: &Mount) -> Checked {
     match mount {
         Mount::Deck {} | Mount::NodeSet { .. } => Ok(()),
         Mount::Box { min_m, max_m } => {
-            let ordered = (0..3).all(|i| min_m[i] < max_m[i]);
-            require(ordered, "mount.max_m", "above mount.min_m in x, y and z", format!("{max_m:?}"))
+            ordered("mount.max_m", "above mount.min_m in x, y and z", min_m, max_m)
         }
         Mount::Plane { point_m, normal } => {
             finite("mount.point_m", point_m)?;
@@ -164,6 +181,10 @@ fn check_rig_mesh(mesh: &RigMesh) -> Checked {
             require(*refinements <= 2, "rig.mesh.refinements", "0, 1 or 2", refinements.to_string())
         }
     }
+}
+
+fn ordered(path: &str, expected: &'static str, min: &[f64; 3], max: &[f64; 3]) -> Checked {
+    require((0..3).all(|i| min[i] < max[i]), path, expected, format!("{max:?}"))
 }
 
 fn positive(path: &str, value: f64) -> Checked {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use hapdef_mesh::{LengthUnit, SkinSide};
+use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 /// Where the limb's shape comes from.
@@ -62,12 +63,40 @@ pub enum WallSolver {
 
 /// How thick a wall is.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-#[serde(untagged, expecting = "expected a thickness in m, or the name of a file of them")]
+#[serde(
+    untagged,
+    expecting = "expected a thickness in m, the name of a file of them, or `elsewhere_m` and `boxes`, \
+                 each with `min_m`, `max_m` and `wall_m`"
+)]
 pub enum WallThickness {
     /// The same everywhere, m.
     Constant(f64),
     /// By a text file with a line for each vertex of the skin, m, relative to the scene file.
     File(PathBuf),
+    /// By region.
+    Regions(WallRegions),
+}
+
+/// A wall whose thickness differs from region to region; between them it changes along one edge.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct WallRegions {
+    /// Thickness outside all boxes, m.
+    pub elsewhere_m: f64,
+    /// Boxes of another thickness; of several that overlap the last counts.
+    pub boxes: Vec<WallBox>,
+}
+
+/// Thickness of the wall behind the skin in an axis-aligned box.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct WallBox {
+    /// Lower corner, m.
+    pub min_m: [f64; 3],
+    /// Upper corner, m.
+    pub max_m: [f64; 3],
+    /// Thickness, m.
+    pub wall_m: f64,
 }
 
 /// A side of a wall.
@@ -110,6 +139,14 @@ impl Shape {
             Self::Deck(_) => "geometry.solid_deck",
             Self::Skin(_) => "geometry.skin",
         }
+    }
+}
+
+impl WallBox {
+    /// Whether a place is in it, faces included.
+    #[must_use]
+    pub fn has(&self, place: &Point3<f64>) -> bool {
+        (0..3).all(|i| (self.min_m[i]..=self.max_m[i]).contains(&place[i]))
     }
 }
 
@@ -240,6 +277,9 @@ mod tests {
         refused(both, "found both");
         refused(r#"{"skin": "a.stl", "unit": "mm"}"#, "needs `wall_m`");
         refused(r#"{"skin": "a.stl", "wall_m": [1], "unit": "mm"}"#, "a thickness in m");
+        let thin = r#"{"elsewhere_m": 1e-3, "box": []}"#;
+        let thin = format!(r#"{{"skin": "a.stl", "wall_m": {thin}, "unit": "mm"}}"#);
+        refused(&thin, "`elsewhere_m` and `boxes`");
         refused(r#"{"solid_deck": "a.inp", "side": "outer", "unit": "m"}"#, "are of a `skin`");
         refused(r#"{"solid_deck": "a.inp", "solver": "shell", "unit": "m"}"#, "are of a `skin`");
         refused(r#"{"skin": "a", "wall_m": 1, "solver": "beam", "unit": "m"}"#, "`auto`, `shell`");

@@ -65,6 +65,7 @@ pub enum LimbEnd {
 #[serde(default, deny_unknown_fields)]
 pub struct ContactSpec {
     /// The skin that may be touched; its nodes carry the deformation map.
+    #[serde(deserialize_with = "super::tag::region")]
     pub region: ContactRegion,
     /// Radius of the touching tip, m; 0 is a point force on a node.
     pub tip_radius_m: f64,

@@ -11,10 +11,13 @@ mod geometry;
 mod limb;
 mod read;
 mod rig;
+mod tag;
 
 pub use estimator::{EstimatorSpec, HapdefxSpec, SuperpositionSpec};
 pub use gauges::{GaugeEntry, GaugeSpec};
-pub use geometry::{Axis, Geometry, Shape, SkinShape, WallSide, WallSolver, WallThickness};
+pub use geometry::{
+    Axis, Geometry, Shape, SkinShape, WallBox, WallRegions, WallSide, WallSolver, WallThickness,
+};
 pub use limb::{ContactRegion, ContactSpec, LimbEnd, LoadDirection, MaterialSpec, Mount};
 pub use read::{read_scene, scene_file};
 pub use rig::{
@@ -50,7 +53,7 @@ pub struct Scene {
     #[serde(default)]
     pub rig: RigSpec,
     /// How contacts are found from readings.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tag::estimator")]
     pub estimator: EstimatorSpec,
     /// What is wanted of a frame; if nothing is said, contacts, and the map once a live page asks for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]

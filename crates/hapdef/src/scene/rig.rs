@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct RigSpec {
     /// The mesh the rig is solved on.
+    #[serde(deserialize_with = "super::tag::rig_mesh")]
     pub mesh: RigMesh,
     /// Smooth variation of Young's modulus.
     pub stiffness: VariationSpec,
@@ -89,6 +90,7 @@ pub enum RigMesh {
     /// The training side's mesh, every tetrahedron cut into eight, `times` times.
     Refined {
         /// How often; 0 would be the training mesh itself and is refused.
+        #[serde(default = "once")]
         times: u32,
     },
     /// A mesh of its own: the same limb, meshed independently.
@@ -236,6 +238,10 @@ impl Default for PressSpec {
             held_spread_n: 1.0,
         }
     }
+}
+
+fn once() -> u32 {
+    1
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 const WALL_M: f64 = 2e-3;
 /// Sections and fields that a scene may leave out.
-const OPTIONAL: [&str; 16] = [
+const OPTIONAL: [&str; 20] = [
     "/name",
     "/seed",
     "/geometry/axis",
@@ -21,14 +21,18 @@ const OPTIONAL: [&str; 16] = [
     "/material",
     "/contact",
     "/contact/region",
+    "/contact/region/rule",
     "/contact/tip_radius_m",
     "/contact/max_contacts",
     "/gauges/length_m",
     "/gauges/patch_nodes",
     "/rig",
+    "/rig/mesh/kind",
+    "/rig/mesh/times",
     "/rig/max_wall_m",
     "/rig/electronics/adc_bits",
     "/estimator",
+    "/estimator/kind",
 ];
 
 fn short() -> Value {
@@ -126,6 +130,33 @@ fn a_wall_of_many_thicknesses_counts_in_the_hash() {
 }
 
 #[test]
+fn a_wall_by_regions_is_thicker_in_its_boxes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = short();
+    let of = |low: f64, high: f64, wall_m: f64| json!({"min_m": [-1.0, -1.0, low], "max_m": [1.0, 1.0, high], "wall_m": wall_m});
+    scene["geometry"]["wall_m"] =
+        json!({"elsewhere_m": WALL_M, "boxes": [of(-1.0, 0.05, 0.001), of(-1.0, 0.03, 0.003)]});
+    let (read, limb) = loaded(folder.path(), &scene).unwrap();
+    assert_eq!(json!(read)["geometry"]["wall_m"], scene["geometry"]["wall_m"]);
+    let wall = limb.wall.as_ref().unwrap();
+    for (node, wall_m) in wall.outside.nodes.iter().zip(&wall.thickness_m) {
+        let expected = match limb.mesh.position(*node).z {
+            z if z < 0.029 => 0.003,
+            z if (0.037..0.045).contains(&z) => 0.001,
+            z if z > 0.056 => WALL_M,
+            _ => continue,
+        };
+        assert!((wall_m - expected).abs() < 1e-9, "{wall_m} {expected}");
+    }
+    scene["geometry"]["wall_m"]["boxes"][0]["min_m"] = json!([0.5, 0.5, -1.0]);
+    let error = loaded(folder.path(), &scene).err().unwrap().to_string();
+    assert!(error.contains("geometry.wall_m.boxes[0]: no vertex"), "{error}");
+    scene["geometry"]["wall_m"]["boxes"][0]["wall_m"] = json!(0);
+    let error = loaded(folder.path(), &scene).err().unwrap().to_string();
+    assert!(error.contains("geometry.wall_m.boxes[0].wall_m"), "{error}");
+}
+
+#[test]
 fn what_is_no_clean_skin_is_refused_with_the_remedy() {
     let bottle = bottle();
     let remedy = "hapdef new";
@@ -146,6 +177,23 @@ fn what_is_no_clean_skin_is_refused_with_the_remedy() {
     let mut thick = short();
     thick["geometry"]["wall_m"] = json!(0.05);
     refused(&thick, &bottle, &["geometry.skin", remedy]);
+}
+
+#[test]
+fn a_section_that_names_no_kind_has_the_usual_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = short();
+    scene["estimator"] = json!({"noise_ue": 2.0});
+    scene["contact"] = json!({"region": {"mount_gap_m": 0.004}});
+    scene["rig"] = json!({"mesh": {"times": 2}});
+    let full = json!(read_scene(&written(folder.path(), &scene)).unwrap());
+    assert_eq!(full["estimator"]["kind"], "superposition");
+    assert_eq!(full["estimator"]["noise_ue"], 2.0);
+    assert_eq!(full["contact"]["region"], json!({"rule": "free_skin", "mount_gap_m": 0.004}));
+    assert_eq!(full["rig"]["mesh"], json!({"kind": "refined", "times": 2}));
+    scene["estimator"] = json!({"kmax_radius_m": 0.01});
+    let error = read_scene(&written(folder.path(), &scene)).unwrap_err().to_string();
+    assert!(error.contains("at estimator: unknown field `kmax_radius_m`"), "{error}");
 }
 
 #[test]

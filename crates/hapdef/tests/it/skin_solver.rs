@@ -124,6 +124,10 @@ fn the_better_of_shell_and_solid_is_chosen() {
         assert_eq!(wall.solver, chosen, "{wall}");
         let params = ConvergenceParams { n_threads: 2, ..ConvergenceParams::default() };
         let study = convergence(&limb, 2e-3, &params, &|_| {}).unwrap();
+        let words = study.in_words(&limb);
+        let judged = ["the mesh's gauge readings", "the shell's gauge readings differ"];
+        let judged = judged[usize::from(chosen == WallSolver::Shell)];
+        assert!(words.contains(judged), "{words}");
         let found = study.shell.unwrap();
         let is_shell_better = found.median_difference < found.solid_median_difference;
         assert_eq!(is_shell_better, chosen == WallSolver::Shell, "{wall}: {found:?}");

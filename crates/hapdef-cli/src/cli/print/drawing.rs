@@ -31,11 +31,9 @@ pub(super) fn rims(place: &GaugePlace) -> String {
         None => format!("{way} –"),
     };
     let rims: Vec<String> = WAYS.into_iter().zip(&place.rims_m).map(text).collect();
-    format!(
-        "{}; {:.1}° to the left of the limb's axis",
-        rims.join(", "),
-        place.turn_rad.to_degrees()
-    )
+    // what rounds to -0 is 0
+    let turn_deg = (10.0 * place.turn_rad.to_degrees()).round() / 10.0 + 0.0;
+    format!("{}; {turn_deg:.1}° to the left of the limb's axis", rims.join(", "))
 }
 
 fn page(name: &str, places: &[GaugePlace]) -> String {
@@ -143,5 +141,7 @@ mod tests {
             words,
             "away from the mount 12.0, towards the mount 50.0, left –, right 20.0; 28.6° to the left of the limb's axis"
         );
+        let along = rims(&GaugePlace { turn_rad: -1e-9, ..place("g0") });
+        assert!(along.ends_with("; 0.0° to the left of the limb's axis"), "{along}");
     }
 }
