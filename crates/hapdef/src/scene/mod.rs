@@ -16,6 +16,7 @@ pub use estimator::{EstimatorSpec, HapdefxSpec, SuperpositionSpec};
 pub use gauges::{GaugeEntry, GaugeSpec};
 pub use geometry::{Axis, Geometry, Shape, SkinShape, WallSide, WallSolver, WallThickness};
 pub use limb::{ContactRegion, ContactSpec, LimbEnd, LoadDirection, MaterialSpec, Mount};
+pub(crate) use read::default_name;
 pub use read::{read_scene, scene_file};
 pub use rig::{
     BridgeSpec, CreepSpec, ElectronicsSpec, GainSpec, LiveSpec, MisplacementSpec, PressSpec,
