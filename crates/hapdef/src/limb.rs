@@ -61,7 +61,14 @@ impl Limb {
     /// [`HapdefError`] naming the scene's field when the deck or skin, mount, material, skin or a gauge is
     /// not usable.
     pub fn load(scene: &Scene, scene_dir: &Path) -> Result<Self, HapdefError> {
-        let solid = Solid::load(scene, scene_dir)?;
+        Self::of(scene, scene_dir, Solid::load(scene, scene_dir)?)
+    }
+
+    /// Everything that `scene` finds on a solid.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub(crate) fn of(scene: &Scene, scene_dir: &Path, solid: Solid) -> Result<Self, HapdefError> {
         let Solid { mesh, boundary, skin, outside, clamped, axis, notes, .. } = solid;
         let wall = match (&scene.geometry.shape, &outside) {
             (Shape::Skin(skin), Some(outside)) => {
@@ -238,7 +245,7 @@ impl GaugeSpec {
     }
 }
 
-fn site(entry: &GaugeEntry, scene: &Scene) -> GaugeSite {
+pub(crate) fn site(entry: &GaugeEntry, scene: &Scene) -> GaugeSite {
     let (position, axis) = (Point3::from(entry.position_m), Vector3::from(entry.axis));
     scene.gauges.site(position, axis)
 }

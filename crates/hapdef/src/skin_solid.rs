@@ -5,8 +5,8 @@ use std::path::Path;
 use hapdef_bench::stats;
 use hapdef_mesh::{
     CleanParams, ExtrudeParams, Extrusion, FaceCurve, GltfParams, LengthUnit, MeshError,
-    RefinedSolid, SkinSide, SolidDeck, SurfaceFault, SurfaceMesh, Tri6Face, clean_surface, extrude,
-    read_surface,
+    RefinedSolid, SkinRegion, SkinSide, SolidDeck, SurfaceFault, SurfaceMesh, Tet10Mesh, Tri6Face,
+    clean_surface, extrude, read_surface,
 };
 
 use crate::error::HapdefError;
@@ -39,6 +39,16 @@ pub(crate) struct Outside {
 }
 
 impl Outside {
+    /// The same as a region of the solid, and how thick the wall is at its nodes `[region.nodes]`, m.
+    ///
+    /// # Errors
+    /// As [`SkinRegion::new`].
+    pub(crate) fn region(&self, solid: &Tet10Mesh) -> Result<(SkinRegion, Vec<f64>), MeshError> {
+        let region = SkinRegion::new(solid, self.faces.clone())?;
+        let thickness_m = region.nodes.iter().map(|node| self.thickness_m[node.index()]).collect();
+        Ok((region, thickness_m))
+    }
+
     /// The outside of the solid refined.
     pub(crate) fn refined(mut self, refined: &RefinedSolid) -> Self {
         self.faces = refined.faces(&self.faces);
@@ -79,8 +89,20 @@ impl SkinSolid {
             }
             WallThickness::Regions(regions) => by_region(&path, &surface, regions)?,
         };
-        let wall = extruded(&surface, &thickness_m, skin.side.into())
-            .map_err(|source| HapdefError::SkinFolds { path, source })?;
+        Self::of(&surface, &thickness_m, skin.side.into())
+            .map_err(|source| HapdefError::SkinFolds { path, source })
+    }
+
+    /// The wall of a clean skin, `thickness_m` `[n_vertices]` thick.
+    ///
+    /// # Errors
+    /// As [`extrude`].
+    pub(crate) fn of(
+        surface: &SurfaceMesh,
+        thickness_m: &[f64],
+        side: SkinSide,
+    ) -> Result<Self, MeshError> {
+        let wall = extruded(surface, thickness_m, side)?;
         let mut at_nodes_m = vec![0.0; wall.mesh.nodes().len()];
         for (vertex, wall_m) in thickness_m.iter().enumerate() {
             at_nodes_m[wall.node(vertex as u32, 0).index()] = *wall_m;
@@ -99,7 +121,7 @@ impl SkinSolid {
 ///
 /// # Errors
 /// As [`extrude`].
-pub(crate) fn extruded(
+fn extruded(
     skin: &SurfaceMesh,
     thickness_m: &[f64],
     side: SkinSide,
@@ -115,7 +137,7 @@ pub(crate) fn extruded(
 }
 
 /// Boundary faces of a wall whose corners are all on one level.
-pub(crate) fn level_faces(wall: &Extrusion, level: usize) -> Vec<Tri6Face> {
+fn level_faces(wall: &Extrusion, level: usize) -> Vec<Tri6Face> {
     let is_level = |node: &hapdef_mesh::FeNodeId| node.index() % (wall.n_layers + 1) == level;
     let faces = wall.mesh.boundary().faces.into_iter();
     faces.filter(|face| face.nodes[..3].iter().all(is_level)).collect()

@@ -78,7 +78,8 @@ impl WallMeasures {
     }
 
     /// Why a shell is no choice, whatever is expected of the solid.
-    fn too_thick(&self) -> Option<String> {
+    #[must_use]
+    pub fn too_thick(&self) -> Option<String> {
         if self.slenderness > THICKEST {
             return Some(format!("thicker than {:.0} % of twice its radius", 100.0 * THICKEST));
         }
@@ -137,9 +138,7 @@ impl SkinWall {
         solid: &Tet10Mesh,
         outside: &Outside,
     ) -> Result<(Self, Option<WallShell>), HapdefError> {
-        let region = SkinRegion::new(solid, outside.faces.clone())?;
-        let thickness_m: Vec<f64> =
-            region.nodes.iter().map(|node| outside.thickness_m[node.index()]).collect();
+        let (region, thickness_m) = outside.region(solid)?;
         let measures = WallMeasures::of(solid, &region, &thickness_m, scene.gauges.length_m)?;
         let shell = || WallShell::new(solid, &region, &thickness_m);
         let refined = (scene.estimator.map_refinements() > 0)

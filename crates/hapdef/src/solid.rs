@@ -62,15 +62,22 @@ impl Solid {
             Shape::Deck(_) => Source::of_deck(scene, &path)?,
             Shape::Skin(skin) => {
                 let solid = SkinSolid::load(skin, scene.geometry.unit, scene_dir)?;
-                Source {
-                    max_wall_m: WALL_MARGIN * solid.thickest_m,
-                    deck: solid.deck,
-                    outside: Some(solid.outside),
-                    hash: geometry_hash(&scene.geometry, scene_dir)?,
-                }
+                Source::of_skin(solid, geometry_hash(&scene.geometry, scene_dir)?)
             }
         };
         Self::of(scene, source, scene.geometry.refinements)
+    }
+
+    /// A skin's solid with what the scene finds on it, of files that `hash` stands for.
+    ///
+    /// # Errors
+    /// [`HapdefError`] when the mount is not usable.
+    pub(crate) fn of_skin(
+        scene: &Scene,
+        solid: SkinSolid,
+        hash: String,
+    ) -> Result<Self, HapdefError> {
+        Self::of(scene, Source::of_skin(solid, hash), scene.geometry.refinements)
     }
 
     /// The deck at `path` in the scene's unit, not refined, with the scene's mount and contact region.
@@ -102,6 +109,11 @@ impl Solid {
 }
 
 impl Source {
+    fn of_skin(solid: SkinSolid, hash: String) -> Self {
+        let (max_wall_m, outside) = (WALL_MARGIN * solid.thickest_m, Some(solid.outside));
+        Self { deck: solid.deck, outside, max_wall_m, hash }
+    }
+
     fn of_deck(scene: &Scene, path: &Path) -> Result<Self, HapdefError> {
         let hash = deck_hash(path)?;
         let reading = match scene.mount {

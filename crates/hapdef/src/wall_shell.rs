@@ -13,6 +13,8 @@ use crate::error::HapdefError;
 /// edges included: its edges are half as long as the solid's.
 pub struct WallShell {
     pub(crate) mesh: ShellMesh,
+    /// The bending theory.
+    pub(crate) kind: ShellKind,
     /// The solid's nodes outside, ascending; shell node `i` lies under the `i`-th.
     outside: Vec<FeNodeId>,
     directors: Vec<Vector3<f64>>,
@@ -41,6 +43,7 @@ impl WallShell {
         Ok(Self {
             index: PointIndex::new(mesh.nodes()),
             mesh,
+            kind: ShellKind::default(),
             outside: outside.nodes.clone(),
             directors: shell.directors().to_vec(),
         })
@@ -80,6 +83,6 @@ impl WallShell {
         let off = (site.position - self.mesh.nodes()[nearest]).dot(&self.directors[nearest]);
         let z_m = (0.5 * self.mesh.thickness_m()[nearest]).copysign(off);
         let params = GaugeParams { max_lost_share, ..GaugeParams::default() };
-        ShellGaugeStrain::new(&self.mesh, ShellKind::default(), material, site, z_m, &params)
+        ShellGaugeStrain::new(&self.mesh, self.kind, material, site, z_m, &params)
     }
 }

@@ -34,7 +34,6 @@ mod replay;
 mod rig;
 mod scene;
 mod shell;
-mod shell_table;
 mod signals;
 mod sim;
 mod stage;

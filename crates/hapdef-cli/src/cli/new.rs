@@ -74,7 +74,7 @@ enum Solver {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum End {
+pub(super) enum End {
     Low,
     High,
 }

@@ -2,26 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
-use hapdef::scene::read_scene;
+use hapdef::HapdefError;
+use hapdef::scene::{MaterialSpec, WallSide};
 use hapdef::shell_limb::{
-    MountChoice, MountEnd, ReportSource, SHELL_REPORT_HTML, SceneSource, ShellComparison,
-    ShellLimb, ShellLimbParams, WallChoice, shell_limb, write_measured_wall,
+    GaugeInfo, SHELL_REPORT_HTML, ShellComparison, ShellLimb, ShellLimbParams, WallChoice,
+    write_measured_wall,
 };
-use hapdef::{HapdefError, Limb};
 use hapdef_cli::{print_json, shown};
-use hapdef_mesh::{
-    BodyChoice, CleanParams, GltfParams, LengthUnit, SkinSide, SurfaceMesh, UnitGuess, read_surface,
-};
-use hapdef_sim::{IsotropicMaterial, ShellKind};
+use hapdef_mesh::{BodyChoice, CleanParams, GltfParams, LengthUnit, UnitGuess, read_surface};
+use hapdef_sim::ShellKind;
 
-use super::shell_table::show;
+use super::new::End;
 use super::unit::Unit;
-
-/// Density of PA2200, kg/m³; statics don't depend on it.
-const DENSITY_KG_M3: f64 = 930.0;
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
@@ -117,12 +112,6 @@ enum MountAxis {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum End {
-    Low,
-    High,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
 enum Kind {
     Thin,
     Thick,
@@ -131,103 +120,47 @@ enum Kind {
 /// Makes the shell, compares it with the solids asked for, prints and writes everything; where a
 /// comparison fails, what there is without it.
 pub(crate) fn shell(args: &ShellArgs) -> Result<()> {
-    let given = given_surface(args)?;
-    let params = args.params()?;
-    let out = args.out_folder();
-    let limb = match shell_limb(&given, &params) {
-        Ok(limb) => limb,
-        Err(error) => return refused(error, &given, &params, &out),
+    let (unit, params, out) = (args.length_unit()?, args.params(), args.out_folder());
+    let limb = match ShellLimb::read(&args.file, unit, &params) {
+        Err(error) if params.wall == WallChoice::Measured => {
+            // the picture of a wall that could be measured but is no shell
+            let path = out.join("wall.glb");
+            if write_measured_wall(&args.file, unit, &params, &path)? {
+                println!("the wall as far as it is one, coloured by thickness: {}", shown(&path));
+            } else {
+                println!("no part of the surface has a wall that could be drawn");
+            }
+            return Err(error.into());
+        }
+        limb => limb?,
     };
     let compared = compare(args, &limb);
     let comparisons = compared.as_deref().unwrap_or_default();
     limb.write(&out, comparisons)?;
-    if !comparisons.is_empty() {
-        limb.write_report(&out, &source(args)?, comparisons)?;
-    }
     if args.json {
         print_json(&limb.report(comparisons), true)?;
     } else {
         println!("{}", shown(&args.file));
-        show(&limb, comparisons);
+        show(&limb);
+        comparisons.iter().for_each(show_comparison);
         if !comparisons.is_empty() {
             println!("report            {}", shown(out.join(SHELL_REPORT_HTML)));
         }
         println!("written to        {}", shown(&out));
     }
-    compared.map(|_| ())
-}
-
-fn source(args: &ShellArgs) -> Result<ReportSource> {
-    let scene = args.against.as_deref().map(|path| -> Result<_> {
-        Ok(SceneSource { file: shown(path).to_string(), file_hash: hash_of(path)? })
-    });
-    Ok(ReportSource {
-        file: shown(&args.file).to_string(),
-        file_hash: hash_of(&args.file)?,
-        scene: scene.transpose()?,
-    })
-}
-
-fn hash_of(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).with_context(|| format!("reading {}", shown(path)))?;
-    Ok(blake3::hash(&bytes).to_hex().to_string())
-}
-
-fn given_surface(args: &ShellArgs) -> Result<SurfaceMesh> {
-    let read = |unit| {
-        let params = GltfParams { unit, ..GltfParams::default() };
-        read_surface(&args.file, &params).map(|surface| surface.mesh)
-    };
-    let unit = match args.unit {
-        Some(unit) => unit.into(),
-        None => {
-            let longest = read(LengthUnit::Metre)?.bounding_box().longest_m();
-            let (path, guess) = (args.file.clone(), UnitGuess::of_length(longest));
-            return Err(HapdefError::UnitNotStated { path, guess }.into());
-        }
-    };
-    Ok(read(unit)?)
-}
-
-/// The picture of a wall that could be measured but is no shell, and the error.
-fn refused(
-    error: HapdefError,
-    given: &SurfaceMesh,
-    params: &ShellLimbParams,
-    out: &Path,
-) -> Result<()> {
-    if params.wall == WallChoice::Measured {
-        let path = out.join("wall.glb");
-        if write_measured_wall(given, params, &path)? {
-            println!("the wall as far as it is one, coloured by thickness: {}", shown(&path));
-        } else {
-            println!("no part of the surface has a wall that could be drawn");
-        }
-    }
-    Err(error.into())
+    compared.map(drop)
 }
 
 fn compare(args: &ShellArgs, limb: &ShellLimb) -> Result<Vec<ShellComparison>> {
-    let mut comparisons = Vec::new();
-    if args.solid {
-        comparisons.push(limb.against_extruded()?);
-    }
-    if let Some(path) = &args.against {
-        let scene = read_scene(path)?;
-        let folder = path.parent().unwrap_or(Path::new("."));
-        let solid = Limb::load(&scene, folder)?;
-        let name = format!("the solid of scene {:?}", scene.name);
-        comparisons.push(limb.against_solid(&name, &solid)?);
-    }
-    Ok(comparisons)
+    let extruded = args.solid.then(|| limb.against_extruded());
+    let scene = args.against.as_deref().map(|path| limb.against_scene(path));
+    Ok(extruded.into_iter().chain(scene).collect::<Result<_, _>>()?)
 }
 
 impl ShellArgs {
-    fn params(&self) -> Result<ShellLimbParams> {
-        let (modulus, ratio) = (self.youngs_modulus_pa, self.poissons_ratio);
-        let material = IsotropicMaterial::new(modulus, ratio, DENSITY_KG_M3)?;
+    fn params(&self) -> ShellLimbParams {
         let metres = |mm: f64| mm * 1e-3;
-        Ok(ShellLimbParams {
+        ShellLimbParams {
             clean: CleanParams {
                 weld_tolerance_m: Some(self.weld * 1e-6),
                 drop_degenerate: self.drop_degenerate,
@@ -236,20 +169,20 @@ impl ShellArgs {
                 body: if self.largest_body { BodyChoice::LargestArea } else { BodyChoice::All },
             },
             side: match self.side {
-                Side::Outer => SkinSide::Outer,
-                Side::Middle => SkinSide::Middle,
-                Side::Inner => SkinSide::Inner,
+                Side::Outer => WallSide::Outer,
+                Side::Middle => WallSide::Middle,
+                Side::Inner => WallSide::Inner,
             },
             edge_m: self.edge.map(metres),
-            mount: MountChoice {
-                axis: self.mount_axis.map(|axis| axis as usize),
-                end: match self.mount_end {
-                    End::Low => MountEnd::Low,
-                    End::High => MountEnd::High,
-                },
-                length_m: self.mount.map(metres),
-            },
+            mount_axis: self.mount_axis.map(|axis| axis as usize),
+            mount_end: self.mount_end.into(),
+            mount_m: self.mount.map(metres),
             n_gauges: self.gauges,
+            material: MaterialSpec {
+                youngs_modulus_pa: self.youngs_modulus_pa,
+                poissons_ratio: self.poissons_ratio,
+                ..MaterialSpec::PA2200
+            },
             kind: match self.kind {
                 Kind::Thin => ShellKind::Thin,
                 Kind::Thick => ShellKind::Thick,
@@ -257,8 +190,18 @@ impl ShellArgs {
             tip_radius_m: metres(self.tip),
             n_solid_halvings: self.halve_solid,
             n_threads: self.threads,
-            ..ShellLimbParams::new(self.wall, material)
-        })
+            ..ShellLimbParams::new(self.wall)
+        }
+    }
+
+    /// The unit stated; where none is, the error says which would fit.
+    fn length_unit(&self) -> Result<LengthUnit> {
+        if let Some(unit) = self.unit {
+            return Ok(unit.into());
+        }
+        let longest = read_surface(&self.file, &GltfParams::default())?.mesh.bounding_box();
+        let (path, guess) = (self.file.clone(), UnitGuess::of_length(longest.longest_m()));
+        Err(HapdefError::UnitNotStated { path, guess }.into())
     }
 
     fn out_folder(&self) -> PathBuf {
@@ -277,4 +220,71 @@ fn wall_choice(text: &str) -> Result<WallChoice, String> {
         Ok(mm) if mm > 0.0 && mm.is_finite() => Ok(WallChoice::Constant(mm * 1e-3)),
         _ => Err("expected a thickness in mm, above 0, or `measured`".to_owned()),
     }
+}
+
+/// Prints everything that was found.
+fn show(limb: &ShellLimb) {
+    let (info, wall, model) = (&limb.info, &limb.info.wall, &limb.info.model);
+    wall.made.iter().for_each(|made| println!("made              {made}"));
+    let millimetres = wall.thickness_quantiles_m.map(|v| format!("{:.2}", v * 1e3)).join(" ");
+    println!("wall              {millimetres} mm (smallest, quartiles, largest)");
+    println!("solved as         {}", wall.expected);
+    println!("mount             {}", info.mount);
+    println!(
+        "shell model       {} nodes, {} triangles, {} equations, nnz(L) {}",
+        model.n_nodes, model.n_triangles, model.n_equations, model.nnz_l
+    );
+    println!(
+        "solved            relative residual {:.1e}, backward error {:.1e}, {:.2} s",
+        model.worst_relative_residual, model.worst_backward_error, info.elapsed_s
+    );
+    println!(
+        "gauges            {} on the inner side; {} sites passed over",
+        info.gauges.len(),
+        info.n_sites_passed_over
+    );
+    println!("       at, mm                  axis                strongest at, mm            µε/N");
+    for (i, gauge) in info.gauges.iter().enumerate() {
+        println!("{}", gauge_line(i, gauge));
+    }
+    println!("best gauge        {:.1} µε/N (median over free nodes)", info.median_best_ue_per_n);
+    wall.too_thick.iter().for_each(|why| println!("use the solid: the wall is {why}"));
+}
+
+fn gauge_line(number: usize, gauge: &GaugeInfo) -> String {
+    let millimetres = |p: &[f64; 3]| {
+        let [x, y, z] = p.map(|c| c * 1e3);
+        format!("{x:7.1} {y:7.1} {z:7.1}")
+    };
+    let [x, y, z] = gauge.axis;
+    format!(
+        "g{number:<4} {}  {x:6.3} {y:6.3} {z:6.3}  {}  {:10.1}",
+        millimetres(&gauge.position_m),
+        millimetres(&gauge.strongest_position_m),
+        gauge.strongest_ue_per_n
+    )
+}
+
+fn show_comparison(comparison: &ShellComparison) {
+    println!(
+        "\nagainst {}: {} FE nodes, {} equations, {:.2} s",
+        comparison.solid, comparison.n_fe_nodes, comparison.n_equations, comparison.elapsed_s
+    );
+    println!(
+        "{} gauges ({} left out), {} places ({} passed over: held, or not wholly on the shell)",
+        comparison.n_gauges,
+        comparison.n_gauges_left_out,
+        comparison.n_touches,
+        comparison.n_touches_left_out
+    );
+    println!("{:44}median %    worst %  overall %  ratio (median)", "");
+    for [what, median, worst, overall, ratio] in comparison.table() {
+        println!("{what:41} {median:>10} {worst:>10} {overall:>10} {ratio:>15}");
+    }
+    println!(
+        "above 10 %          readings on {:.1} % of the compared surface, displacement on {:.1} %",
+        100.0 * comparison.above_good.readings_share,
+        100.0 * comparison.above_good.tip_share
+    );
+    println!("{}", comparison.advice());
 }

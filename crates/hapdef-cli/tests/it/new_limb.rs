@@ -7,8 +7,8 @@ use hapdef_mesh::{SurfaceMesh, write_glb};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
-use crate::shell_limb_common::{bottle, fixture, surface};
-use crate::support::shared;
+use crate::shell_limb_common::{bottle, fixture};
+use crate::support::{shared, surface};
 
 /// Simulated presses that correct the response, and how far single ones may be off then, the median, m.
 const N_PRESSES: &str = "300";

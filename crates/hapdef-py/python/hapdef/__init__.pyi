@@ -455,9 +455,10 @@ class Shell:
         threads: int = 1,
     ) -> "Shell":
         """Reads the outside of a wall ``wall_m`` thick, remeshes it with edges of ``edge_m`` (a fortieth
-        of its extent if None), and solves it."""
+        of its extent if None), and solves its shell as that of a scene of the skin."""
     @property
-    def nodes_m(self) -> _Floats: ...
+    def nodes_m(self) -> _Floats:
+        """Corners of the skin's faces and the middles of their sides."""
     @property
     def triangles(self) -> NDArray[np.uint32]: ...
     @property

@@ -145,7 +145,7 @@ pub(crate) fn unit(what: &'static str, direction: &Vector3<f64>) -> Result<Vecto
         .ok_or(SimError::Direction { what, value: (*direction).into() })
 }
 
-pub(crate) fn check_tip(centre: &Point3<f64>, tip_radius_m: f64) -> Result<(), SimError> {
+fn check_tip(centre: &Point3<f64>, tip_radius_m: f64) -> Result<(), SimError> {
     let refuse = |what, value, expected| Err(SimError::Parameter { what, value, expected });
     if !(tip_radius_m.is_finite() && tip_radius_m >= 0.0) {
         return refuse("the tip radius (m)", tip_radius_m, "finite and not negative");
@@ -177,15 +177,15 @@ fn bezier_points(corners: &[Point3<f64>; 3], mids: &[Point3<f64>; 3]) -> [Vector
 }
 
 /// A tip over one face.
-pub(crate) struct Tip<'a> {
-    pub(crate) nodes: [Point3<f64>; 6],
-    pub(crate) centre: &'a Point3<f64>,
-    pub(crate) radius_m: f64,
+struct Tip<'a> {
+    nodes: [Point3<f64>; 6],
+    centre: &'a Point3<f64>,
+    radius_m: f64,
 }
 
 impl Tip<'_> {
     /// Adds ∫ Nᵢ κ dA over the piece of the face with parent corners `piece`.
-    pub(crate) fn integrate(&self, piece: &[[f64; 2]; 3], splits: u32, shares: &mut [f64; 6]) {
+    fn integrate(&self, piece: &[[f64; 2]; 3], splits: u32, shares: &mut [f64; 6]) {
         let (middle, reach_m) = self.extent(piece);
         if (middle - self.centre).norm() > self.radius_m + reach_m {
             return;

@@ -4,6 +4,7 @@ use hapdef_bench::stats::{median, quantile, sorted};
 use serde::{Deserialize, Serialize};
 
 use super::MeshLevel;
+use super::differences::{distance, largest, norm};
 
 /// What is compared between meshes.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
@@ -51,8 +52,11 @@ pub(super) fn estimate(
 ) -> QuantityEstimate {
     let values: Vec<Vec<Vec<f64>>> = levels.iter().map(|level| of(quantity, level)).collect();
     let finest = &values[values.len() - 1];
-    let steps: Vec<Vec<f64>> =
-        values.windows(2).map(|pair| differences(&pair[0], &pair[1], finest)).collect();
+    let step = |pair: &[Vec<Vec<f64>>]| {
+        let presses = pair[0].iter().zip(&pair[1]).zip(finest);
+        presses.map(|((coarse, fine), of)| distance(coarse, fine) / norm(of)).collect()
+    };
+    let steps: Vec<Vec<f64>> = values.windows(2).map(step).collect();
     let observed = observed_order(&steps);
     let order = observed.unwrap_or(assumed_order);
     let shrink = 0.5_f64.powf(order);
@@ -69,7 +73,7 @@ pub(super) fn estimate(
         median_ratio: quantile(&ratios, 0.5),
         ratio_range: [ratios[0], ratios[ratios.len() - 1]],
         median_error: errors.iter().map(|e| median(e.iter().copied())).collect(),
-        worst_error: errors.iter().map(|e| largest(e)).collect(),
+        worst_error: errors.iter().map(|e| largest(e.iter().copied())).collect(),
     }
 }
 
@@ -82,15 +86,6 @@ fn of(quantity: Quantity, level: &MeshLevel) -> Vec<Vec<f64>> {
     }
 }
 
-/// ‖coarse − fine‖ / ‖finest‖ of each press.
-pub(super) fn differences(coarse: &[Vec<f64>], fine: &[Vec<f64>], finest: &[Vec<f64>]) -> Vec<f64> {
-    let difference = |((c, f), of): ((&Vec<f64>, &Vec<f64>), &Vec<f64>)| {
-        let d: Vec<f64> = c.iter().zip(f).map(|(c, f)| c - f).collect();
-        norm(&d) / norm(of)
-    };
-    coarse.iter().zip(fine).zip(finest).map(difference).collect()
-}
-
 /// log₂ of how much the median difference shrinks from step to step, on the last three meshes.
 fn observed_order(steps: &[Vec<f64>]) -> Option<f64> {
     let [.., before, last] = steps else {
@@ -98,14 +93,6 @@ fn observed_order(steps: &[Vec<f64>]) -> Option<f64> {
     };
     let order = (median(before.iter().copied()) / median(last.iter().copied())).log2();
     order.is_finite().then(|| order.clamp(ORDER_RANGE[0], ORDER_RANGE[1]))
-}
-
-pub(super) fn norm(values: &[f64]) -> f64 {
-    values.iter().map(|v| v * v).sum::<f64>().sqrt()
-}
-
-pub(super) fn largest(values: &[f64]) -> f64 {
-    values.iter().copied().fold(0.0, f64::max)
 }
 
 #[cfg(test)]

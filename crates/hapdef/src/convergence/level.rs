@@ -2,12 +2,16 @@
 
 use std::time::Instant;
 
-use hapdef_mesh::{FeNodeId, GaugeId, SkinRegion, Tet10Mesh, farthest_nodes, refine_unfolded};
-use hapdef_sim::{ElasticModel, ElasticParams, GaugeStrain, NodalLoad};
+use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, farthest_nodes, refine_unfolded};
+use hapdef_sim::{
+    ElasticModel, ElasticParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad, PressedSkin,
+    SolverKind,
+};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::ConvergenceParams;
+use super::answers::Answers;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 
@@ -35,11 +39,21 @@ pub struct MeshLevel {
     pub point_um_per_n: Vec<f64>,
 }
 
-/// The meshes of a study, made one from the other.
-pub(super) struct Levels<'a> {
-    pub(super) limb: &'a Limb,
-    pub(super) params: &'a ConvergenceParams,
-    presses: Vec<(FeNodeId, Vector3<f64>)>,
+/// Presses on the meshes of a limb, made one from the other.
+pub(crate) struct Levels<'a> {
+    pub(crate) limb: &'a Limb,
+    pub(crate) material: IsotropicMaterial,
+    pub(crate) sites: Vec<GaugeSite>,
+    /// Nodes of the limb's skin and the forces' directions there.
+    pub(crate) presses: Vec<(FeNodeId, Vector3<f64>)>,
+    pub(crate) tip_radius_m: f64,
+    /// Presses whose displacement under the tip is solved.
+    pub(crate) n_tips: usize,
+    /// The same at most where a mesh is too large to be factored: each press then takes an iteration.
+    pub(crate) n_iterated_tips: usize,
+    /// Presses that are done with a point, too.
+    pub(crate) n_points: usize,
+    pub(crate) n_threads: usize,
 }
 
 struct Refined {
@@ -50,22 +64,41 @@ struct Refined {
 }
 
 impl<'a> Levels<'a> {
-    pub(super) fn new(limb: &'a Limb, params: &'a ConvergenceParams) -> Self {
+    pub(super) fn new(limb: &'a Limb, params: &ConvergenceParams) -> Self {
         let chosen = farthest_nodes(&limb.mesh, &limb.skin.nodes, params.n_presses);
         let direction = |node: &FeNodeId| {
             let at = limb.skin.nodes.iter().position(|n| n == node)?;
             Some((*node, limb.directions[at]))
         };
-        Self { limb, params, presses: chosen.iter().filter_map(direction).collect() }
+        let presses: Vec<_> = chosen.iter().filter_map(direction).collect();
+        Self {
+            limb,
+            material: limb.material,
+            sites: limb.sites.clone(),
+            tip_radius_m: params.tip_radius_m,
+            n_tips: presses.len(),
+            n_iterated_tips: presses.len(),
+            n_points: presses.len(),
+            n_threads: params.n_threads,
+            presses,
+        }
     }
 
-    pub(super) fn solve(&self, say: &dyn Fn(&str)) -> Result<Vec<MeshLevel>, HapdefError> {
+    /// The limb's own mesh and `refinements` finer ones.
+    ///
+    /// # Errors
+    /// [`HapdefError::Mesh`] and [`HapdefError::Sim`] where one can't be made or solved.
+    pub(crate) fn solve(
+        &self,
+        refinements: usize,
+        say: &dyn Fn(&str),
+    ) -> Result<Vec<MeshLevel>, HapdefError> {
         let mut mesh = self.own();
         let mut levels = Vec::new();
         loop {
             say(&format!("solving the mesh of {} FE nodes", mesh.mesh.nodes().len()));
             levels.push(self.level(&mesh)?);
-            if levels.len() > self.params.refinements {
+            if levels.len() > refinements {
                 return Ok(levels);
             }
             mesh = finer(&mesh)?;
@@ -91,50 +124,45 @@ impl<'a> Levels<'a> {
         let started = Instant::now();
         let mesh = &refined.mesh;
         let elastic = ElasticParams {
-            n_threads: self.params.n_threads,
-            ..ElasticParams::new(self.limb.material, refined.clamped.clone())
+            n_threads: self.n_threads,
+            ..ElasticParams::new(self.material, refined.clamped.clone())
         };
         let elastic_model = ElasticModel::build(mesh, &elastic)?;
         let build_s = started.elapsed().as_secs_f64();
         let faces = mesh.boundary().faces;
         let place = |site| GaugeStrain::with_params(mesh, &faces, site, &self.limb.gauge_params);
-        let gauges: Vec<GaugeStrain> =
-            self.limb.sites.iter().map(place).collect::<Result<_, _>>()?;
-        let (response, adjoint) = elastic_model.response(&gauges)?;
-        let tip_loads = self.tip_loads(refined)?;
-        let reading = |load: &NodalLoad| {
-            let of = |gauge| response.reading(GaugeId::from_index(gauge), load) * 1e6;
-            (0..gauges.len()).map(of).collect()
+        let gauges: Vec<GaugeStrain> = self.sites.iter().map(place).collect::<Result<_, _>>()?;
+        let n_tips = match elastic_model.solver_info().kind {
+            SolverKind::Direct => self.n_tips,
+            SolverKind::Iterative => self.n_tips.min(self.n_iterated_tips),
         };
-        let mut tip_um_per_n = Vec::new();
-        let mut point_um_per_n = Vec::new();
-        for (load, (node, direction)) in tip_loads.iter().zip(&self.presses) {
-            let (under_tip, _) = elastic_model.solve(load)?;
-            tip_um_per_n.push(load.work_j(&under_tip)? * 1e6);
-            let point = NodalLoad::nodal(*node, *direction);
-            let (under_point, _) = elastic_model.solve(&point)?;
-            point_um_per_n.push(under_point[node.index()].norm() * 1e6);
-        }
+        let answers = Answers::of(&elastic_model, &gauges, &self.tip_loads(refined)?, n_tips)?;
+        let under_point = |(node, direction): &(FeNodeId, Vector3<f64>)| {
+            let (moved, _) = elastic_model.solve(&NodalLoad::nodal(*node, *direction))?;
+            Ok::<_, HapdefError>(moved[node.index()].norm() * 1e6)
+        };
         Ok(MeshLevel {
             n_fe_nodes: mesh.nodes().len(),
             n_elements: mesh.elements().len(),
             n_equations: elastic_model.info().n_equations,
             n_straightened: refined.n_straightened,
             build_s,
-            adjoint_s: adjoint.elapsed_s,
-            reading_ue_per_n: tip_loads.iter().map(reading).collect(),
-            tip_um_per_n,
-            point_um_per_n,
+            adjoint_s: answers.adjoint_s,
+            reading_ue_per_n: answers.reading_ue_per_n,
+            tip_um_per_n: answers.tip_um_per_n,
+            point_um_per_n: self.presses[..self.n_points]
+                .iter()
+                .map(under_point)
+                .collect::<Result<_, _>>()?,
         })
     }
 
     /// A newton of the tip at each press; old nodes keep their number when a mesh is refined, and
     /// the tip stays where the scene's mesh has the node.
     fn tip_loads(&self, refined: &Refined) -> Result<Vec<NodalLoad>, HapdefError> {
+        let skin = PressedSkin::new(&refined.mesh, &refined.skin)?;
         let load = |(node, direction): &(FeNodeId, Vector3<f64>)| {
-            let centre = self.limb.mesh.position(*node);
-            let radius_m = self.params.tip_radius_m;
-            NodalLoad::patch(&refined.mesh, &refined.skin, &centre, radius_m, direction)
+            skin.load(&self.limb.mesh.position(*node), self.tip_radius_m, direction)
         };
         Ok(self.presses.iter().map(load).collect::<Result<_, _>>()?)
     }

@@ -3,13 +3,19 @@
 //! Gauge readings are what counts; the displacement under a tip is reported beside them. The
 //! displacement under a point force grows without end on a solid and is shown for comparison only.
 
+mod answers;
+mod differences;
 mod estimate;
 mod level;
 mod shell;
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use answers::Answers;
+pub use differences::{Differences, GOOD_DIFFERENCE};
+pub(crate) use differences::{norm, relative};
 pub use estimate::{Quantity, QuantityEstimate};
+pub(crate) use level::Levels;
 pub use level::MeshLevel;
 pub use shell::{GaugeAgreement, ShellAgreement};
 
@@ -17,7 +23,6 @@ use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::scene::WallSolver;
 use estimate::estimate;
-use level::Levels;
 
 /// How a mesh is judged.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -98,7 +103,7 @@ pub fn convergence(
     let params =
         ConvergenceParams { tip_radius_m, refinements: params.refinements.max(1), ..*params };
     let presses = Levels::new(limb, &params);
-    let levels = presses.solve(say)?;
+    let levels = presses.solve(params.refinements, say)?;
     let shell = presses.shell(&levels)?;
     let estimates: Vec<QuantityEstimate> =
         [Quantity::GaugeReading, Quantity::TipDisplacement, Quantity::PointDisplacement]

@@ -2,14 +2,12 @@
 
 use std::time::Instant;
 
-use hapdef_bench::stats::median;
-use hapdef_mesh::GaugeId;
 use hapdef_sim::LinearFunctional;
 use serde::{Deserialize, Serialize};
 
-use super::MeshLevel;
-use super::estimate::{differences, largest, norm};
-use super::level::Levels;
+use super::answers::Answers;
+use super::differences::{Differences, norm, relative};
+use super::level::{Levels, MeshLevel};
 use crate::error::HapdefError;
 use crate::touch::LimbModel;
 use crate::wall_shell::WallShell;
@@ -63,35 +61,27 @@ impl Levels<'_> {
         let Ok(shell) = WallShell::new(&limb.mesh, &wall.outside, &wall.thickness_m) else {
             return Ok(None);
         };
-        let model = LimbModel::of_shell(limb, &shell, self.params.n_threads)?;
+        let model = LimbModel::of_shell(limb, &shell, self.n_threads)?;
         let gauges = model.gauges(&limb.sites, &limb.gauges)?;
         let Some(gauges) = gauges.into_iter().collect::<Option<Vec<LinearFunctional>>>() else {
             return Ok(None);
         };
-        let (response, _) = model.model.response(&gauges)?;
         let build_s = started.elapsed().as_secs_f64();
-        let loads = self.own_tip_loads()?;
-        let readings: Vec<Vec<f64>> = loads
-            .iter()
-            .map(|load| {
-                let load = model.load(load);
-                let of = |gauge| response.reading(GaugeId::from_index(gauge), &load) * 1e6;
-                (0..gauges.len()).map(of).collect()
-            })
-            .collect();
+        let loads: Vec<_> = self.own_tip_loads()?.iter().map(|load| model.load(load)).collect();
+        let answers = Answers::of(&model.model, &gauges, &loads, 0)?;
         let [own, finest] = [0, solids.len() - 1].map(|level| &solids[level].reading_ue_per_n);
         let [of_shell, of_solid] =
-            [&readings, own].map(|coarse| differences(coarse, finest, finest));
+            [&answers.reading_ue_per_n, own].map(|coarse| Differences::of(coarse, finest));
         let info = model.model.info();
         Ok(Some(ShellAgreement {
             n_fe_nodes: info.n_fe_nodes,
             n_equations: info.n_equations,
-            build_s,
-            median_difference: median(of_shell.iter().copied()),
-            worst_difference: largest(&of_shell),
-            solid_median_difference: median(of_solid.iter().copied()),
-            solid_worst_difference: largest(&of_solid),
-            gauges: agreements(&readings, own, finest),
+            build_s: build_s + answers.adjoint_s,
+            median_difference: of_shell.median,
+            worst_difference: of_shell.worst,
+            solid_median_difference: of_solid.median,
+            solid_worst_difference: of_solid.worst,
+            gauges: agreements(&answers.reading_ue_per_n, own, finest),
         }))
     }
 }
@@ -100,14 +90,10 @@ fn agreements(shell: &[Vec<f64>], solid: &[Vec<f64>], finest: &[Vec<f64>]) -> Ve
     let agreement = |gauge: usize| {
         let [shell, solid, finest] = [shell, solid, finest]
             .map(|rows| rows.iter().map(|row| row[gauge]).collect::<Vec<f64>>());
-        let difference = |readings: &[f64]| {
-            let off: Vec<f64> = readings.iter().zip(&finest).map(|(a, b)| a - b).collect();
-            norm(&off) / norm(&finest).max(f64::MIN_POSITIVE)
-        };
         GaugeAgreement {
             finest_ue_per_n: norm(&finest) / (finest.len() as f64).sqrt(),
-            shell_difference: difference(&shell),
-            solid_difference: difference(&solid),
+            shell_difference: relative(&shell, &finest),
+            solid_difference: relative(&solid, &finest),
         }
     };
     (0..finest[0].len()).map(agreement).collect()

@@ -10,7 +10,7 @@ use crate::limb_axis::{extent_m, longest_axis};
 use crate::scene::{Axis, LimbEnd, MaterialSpec};
 
 /// The part of the length that is held where nothing else is stated.
-const HELD_SHARE: f64 = 0.05;
+pub(crate) const HELD_SHARE: f64 = 0.05;
 
 /// A link's origin lies within this part of its length from the end at its parent joint: of 22 limbs of
 /// robots 18 had theirs at most 0.18 from an end.

@@ -13,6 +13,9 @@ use std::path::Path;
 
 use hapdef_mesh::LengthUnit;
 
+pub(crate) use guess::HELD_SHARE;
+pub use skin::WallChoice;
+pub(crate) use skin::{SKIN, Skin, SkinParams, WALL, is_fold};
 pub use write::NewLimbFiles;
 
 use crate::error::HapdefError;

@@ -1,6 +1,11 @@
-//! A scene as a dozen lines of JSON.
+//! A scene as a dozen lines of JSON, and text files.
 
+use std::path::Path;
+
+use hapdef_mesh::atomic_write;
 use serde_json::Value;
+
+use crate::error::HapdefError;
 
 /// A JSON object whose fields have a line each, and of `gauges.sites` each gauge.
 pub(super) fn scene_text(fields: &[(&str, Value)], sites: &[Value]) -> String {
@@ -23,4 +28,9 @@ fn on_a_line(value: &Value) -> String {
         }
         other => other.to_string(),
     }
+}
+
+pub(super) fn write_text(path: &Path, text: &str) -> Result<(), HapdefError> {
+    atomic_write(path, |file| std::io::Write::write_all(file, text.as_bytes()))
+        .map_err(HapdefError::file(path))
 }

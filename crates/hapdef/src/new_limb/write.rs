@@ -1,15 +1,14 @@
 //! The folder of a new limb: skin, wall and scene, its gauges placed.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use hapdef_mesh::{DeckParams, atomic_write, deck_includes, write_glb};
+use hapdef_mesh::{DeckParams, deck_includes};
 use serde_json::{Value, json};
 
 use super::given::GivenShape;
 use super::guess::to_micrometres;
-use super::skin::Skin;
-use super::text::scene_text;
+use super::skin::{SKIN, Skin, SkinParams};
+use super::text::{scene_text, write_text};
 use super::{NewLimb, gauges};
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -20,8 +19,6 @@ use crate::scene::{MaterialSpec, Scene, WallSolver};
 use crate::touch::gauge_entries;
 
 const SCENE: &str = "scene.json";
-const SKIN: &str = "skin.glb";
-const WALL: &str = "wall.txt";
 
 /// What was written.
 #[derive(Clone, Debug)]
@@ -115,9 +112,12 @@ impl NewLimb {
         });
         match &self.given.shape {
             GivenShape::Surface(given) => {
-                let skin = Skin::of(given, self.wall_m, self.params.edge_m, threads)?;
-                write_glb(&folder.join(SKIN), &skin.surface, None)?;
-                let wall = self.wall(&skin, folder)?;
+                let params = SkinParams {
+                    is_shell: self.params.solver == WallSolver::Shell,
+                    ..SkinParams::repaired(self.wall_m, self.params.edge_m, threads)
+                };
+                let skin = Skin::of(given, &params)?;
+                let wall = skin.write(folder)?;
                 let mut geometry = json!({"skin": SKIN, "wall_m": wall, "unit": "m", "axis": axis});
                 if self.params.solver != WallSolver::Auto {
                     geometry["solver"] = json!(self.params.solver);
@@ -138,28 +138,10 @@ impl NewLimb {
         }
     }
 
-    /// The wall as a scene has it: one thickness, or the file with those of all vertices.
-    fn wall(&self, skin: &Skin, folder: &Path) -> Result<Value, HapdefError> {
-        if skin.wall_m.iter().all(|wall_m| *wall_m == self.wall_m) {
-            return Ok(json!(self.wall_m));
-        }
-        let mut text = String::new();
-        for wall_m in &skin.wall_m {
-            let _ = writeln!(text, "{wall_m:.7}");
-        }
-        write_text(&folder.join(WALL), &text)?;
-        Ok(json!(WALL))
-    }
-
     fn lacks_material(&self) -> bool {
         match &self.given.shape {
             GivenShape::Surface(_) => false,
             GivenShape::Deck(deck, _) => deck.material.is_none_or(|m| m.density_kg_m3.is_none()),
         }
     }
-}
-
-fn write_text(path: &Path, text: &str) -> Result<(), HapdefError> {
-    atomic_write(path, |file| std::io::Write::write_all(file, text.as_bytes()))
-        .map_err(HapdefError::file(path))
 }

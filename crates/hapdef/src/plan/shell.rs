@@ -7,9 +7,10 @@ use hapdef_mesh::wall;
 use serde::Deserialize;
 
 use super::{Plan, PlanStep};
+use crate::convergence::GOOD_DIFFERENCE;
 use crate::error::HapdefError;
 use crate::limb::Limb;
-use crate::shell_limb::{GOOD_DIFFERENCE, ReportSource, SHELL_REPORT_JSON, ThinWall};
+use crate::shell_limb::SHELL_REPORT_JSON;
 
 /// Name of the step of a deck.
 const NAME: &str = "shell model instead";
@@ -20,9 +21,14 @@ const OF_SKIN: &str = "shell or extruded solid";
 /// What is read of a report.
 #[derive(Deserialize)]
 struct Report {
-    source: ReportSource,
+    source: Source,
     parameters: Parameters,
     comparisons: Vec<Compared>,
+}
+
+#[derive(Deserialize)]
+struct Source {
+    file: String,
 }
 
 #[derive(Deserialize)]
@@ -134,14 +140,20 @@ fn by_wall(limb: &Limb, max_wall_m: f64) -> Result<String, HapdefError> {
     let mean_m = wall.skin_thickness_m.iter().sum::<f64>() / n_faces;
     let beyond = (1.0 - median_m / mean_m).max(0.0);
     let size_m = limb.skin.surface(&limb.mesh)?.bounding_box().size_m();
-    let thin = ThinWall { thickness_m: median_m, radius_m: 0.5 * size_m.min() };
-    let advice = match beyond.max(thin.left_out()) > GOOD_DIFFERENCE {
+    let radius_m = 0.5 * size_m.min();
+    // a shell of flat facets leaves out that the inner side of a wall is shorter than its middle
+    let left_out = 0.5 * median_m / radius_m;
+    let advice = match beyond.max(left_out) > GOOD_DIFFERENCE {
         true => "use the solid, as this scene does",
         false => "a shell may do",
     };
     Ok(format!(
         "{advice}: {:.0} % of the material behind the skin is more than its median wall (ribs, rings), \
-         {thin}; by the deck's wall alone, not compared: `hapdef shell SKIN --against SCENE` does",
-        100.0 * beyond
+         t/2R = {:.1} % (wall {:.2} mm, limb {:.1} mm across); by the deck's wall alone, not compared: \
+         `hapdef shell SKIN --against SCENE` does",
+        100.0 * beyond,
+        100.0 * left_out,
+        1e3 * median_m,
+        2e3 * radius_m
     ))
 }

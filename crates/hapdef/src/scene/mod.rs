@@ -19,6 +19,7 @@ pub use geometry::{
     Axis, Geometry, Shape, SkinShape, WallBox, WallRegions, WallSide, WallSolver, WallThickness,
 };
 pub use limb::{ContactRegion, ContactSpec, LimbEnd, LoadDirection, MaterialSpec, Mount};
+pub(crate) use read::default_name;
 pub use read::{read_scene, scene_file};
 pub use rig::{
     BridgeSpec, CreepSpec, ElectronicsSpec, GainSpec, LiveSpec, MisplacementSpec, PressSpec,

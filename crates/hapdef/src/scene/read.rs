@@ -54,7 +54,7 @@ fn names_nothing(text: &str) -> bool {
 }
 
 /// The stem of the file, or the name of the folder of a `scene.json`, in letters that a name may have.
-fn default_name(path: &Path) -> String {
+pub(crate) fn default_name(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_owned();
     let folder = || path.canonicalize().ok()?.parent()?.file_name().map(ToOwned::to_owned);
     let name = if stem == "scene" { folder().unwrap_or(stem) } else { stem };

@@ -1,12 +1,10 @@
 //! What a comparison of a shell with a solid model of the same limb says.
 
-use std::fmt;
-
 use hapdef_mesh::SurfaceMesh;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::differences::{Differences, GOOD_DIFFERENCE};
-use super::maps::{AboveGood, GaugeDifference, ShellMaps, TouchDifference};
+use super::maps::{AboveGood, GaugeDifference, PressDifference, ShellMaps};
+use crate::convergence::{Differences, GOOD_DIFFERENCE};
 
 /// What a shell and a solid answer to the same presses.
 #[derive(Clone, Debug, Serialize)]
@@ -15,26 +13,28 @@ pub struct ShellComparison {
     pub solid: String,
     /// Hash of the solid's deck, where it has one.
     pub deck_hash: Option<String>,
+    /// The scene that the solid is from, if it is.
+    pub scene: Option<SceneSource>,
     /// Nodes of the solid.
     pub n_fe_nodes: usize,
     /// Equations of the solid.
     pub n_equations: usize,
     /// Gauges compared.
     pub n_gauges: usize,
-    /// Gauges that not all models can carry.
+    /// Gauges that the shell can't carry.
     pub n_gauges_left_out: usize,
     /// Places where readings are compared.
     pub n_touches: usize,
+    /// The first so many of them where displacements are compared, too.
+    pub n_tips: usize,
     /// Places passed over: held, or not wholly on the shell.
     pub n_touches_left_out: usize,
     /// How far the shell is from the solid.
     pub shell: Answered,
     /// How far the solid with edges twice as long is from the solid, where there is one.
     pub coarser_solid: Option<Answered>,
-    /// The presses whose displacement is compared.
+    /// The places.
     pub presses: Vec<PressDifference>,
-    /// The places where readings are compared.
-    pub touches: Vec<TouchDifference>,
     /// Each gauge over all places.
     pub gauges: Vec<GaugeDifference>,
     /// Shares of the compared surface with larger differences than is good.
@@ -46,12 +46,18 @@ pub struct ShellComparison {
     /// The solid's skin, m.
     #[serde(skip)]
     pub skin: SurfaceMesh,
-    /// The readings' difference at the nearest place, `[n_vertices]` of [`Self::skin`].
-    #[serde(skip)]
-    pub reading_difference: Vec<f64>,
     /// Both models' answers over the skin.
     #[serde(skip)]
     pub maps: ShellMaps,
+}
+
+/// A scene compared with.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
+pub struct SceneSource {
+    /// Its file.
+    pub file: String,
+    /// Hash of its bytes (BLAKE3).
+    pub file_hash: String,
 }
 
 /// How far a model's answers are from the solid's.
@@ -61,42 +67,6 @@ pub struct Answered {
     pub readings: Differences,
     /// Displacement under the tip along the force at every press.
     pub tip: Differences,
-}
-
-impl ShellComparison {
-    /// What to take instead of the shell and by which figures; nothing where the shell is good or
-    /// the solid no judge.
-    #[must_use]
-    pub fn recommendation(&self) -> Option<String> {
-        let Answered { readings, tip } = &self.shell;
-        let unsure = match self.coarser_solid {
-            Some(_) => "",
-            None => ", as far as this solid is fine enough itself",
-        };
-        (self.verdict == ShellVerdict::UseTheSolid).then(|| {
-            format!(
-                "use the solid: gauge readings of the shell are off by {:.1} % and its displacements \
-                 by {:.1} % (medians of {} places and {} presses; 10 % is allowed){unsure}",
-                100.0 * readings.median,
-                100.0 * tip.median,
-                self.n_touches,
-                self.presses.len()
-            )
-        })
-    }
-}
-
-/// One press on both models.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct PressDifference {
-    /// Where on the solid's skin, m.
-    pub position_m: [f64; 3],
-    /// Displacement under the tip of the shell, µm/N.
-    pub shell_tip_um_per_n: f64,
-    /// The same of the solid, µm/N.
-    pub solid_tip_um_per_n: f64,
-    /// The readings' relative difference.
-    pub reading_difference: f64,
 }
 
 /// What to take.
@@ -109,6 +79,54 @@ pub enum ShellVerdict {
     UseTheSolid,
     /// The solid's own answers change by more than that when its edges are halved.
     SolidTooCoarse,
+}
+
+impl ShellComparison {
+    /// What to take and by which figures.
+    #[must_use]
+    pub fn advice(&self) -> String {
+        let of = |Answered { readings, tip }: &Answered| {
+            let percent = [readings.median, tip.median].map(|share| 100.0 * share);
+            format!(
+                "gauge readings by {:.1} % and displacements by {:.1} %",
+                percent[0], percent[1]
+            )
+        };
+        let found = format!(
+            "the shell is off in {} (medians of {} places and {} presses; 10 % is allowed)",
+            of(&self.shell),
+            self.n_touches,
+            self.n_tips
+        );
+        let unsure = ", as far as this solid is fine enough itself";
+        match (self.verdict, &self.coarser_solid) {
+            (ShellVerdict::ShellIsGood, Some(_)) => format!("good enough: {found}"),
+            (ShellVerdict::ShellIsGood, None) => format!("good enough: {found}{unsure}"),
+            (ShellVerdict::SolidTooCoarse, Some(coarser)) => format!(
+                "no verdict, the solid is too coarse itself: halving its edges changed {} (medians); take \
+                 shorter edges (--edge) or halve more often (--halve-solid)",
+                of(coarser)
+            ),
+            (_, Some(_)) => format!("use the solid: {found}"),
+            (_, None) => format!("use the solid: {found}{unsure}"),
+        }
+    }
+
+    /// Rows of the table of differences: what, then median, worst and all in per cent, and the median ratio.
+    #[must_use]
+    pub fn table(&self) -> Vec<[String; 5]> {
+        let coarser = self.coarser_solid.map(|answered| ("solid, edges twice as long", answered));
+        let models = [("shell", self.shell)].into_iter().chain(coarser);
+        let rows = models.flat_map(|(who, Answered { readings, tip })| {
+            [(who, "gauge readings", readings), (who, "displacement", tip)]
+        });
+        let percent = |share: f64| format!("{:.1}", 100.0 * share);
+        rows.map(|(who, what, d)| {
+            let [median, worst, overall] = [d.median, d.worst, d.overall].map(percent);
+            [format!("{who}: {what}"), median, worst, overall, format!("{:.3}", d.median_ratio)]
+        })
+        .collect()
+    }
 }
 
 impl ShellVerdict {
@@ -126,41 +144,6 @@ impl ShellVerdict {
 impl Answered {
     fn is_good(&self) -> bool {
         self.readings.median <= GOOD_DIFFERENCE && self.tip.median <= GOOD_DIFFERENCE
-    }
-}
-
-impl fmt::Display for ShellComparison {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let percent = |x: f64| 100.0 * x;
-        let Answered { readings, tip } = &self.shell;
-        write!(
-            f,
-            "shell against {}: gauge readings within {:.1} % (median; worst of {} places {:.0} %), \
-             displacement under the tip within {:.1} % (median; worst of {} presses {:.0} %): ",
-            self.solid,
-            percent(readings.median),
-            self.n_touches,
-            percent(readings.worst),
-            percent(tip.median),
-            self.presses.len(),
-            percent(tip.worst),
-        )?;
-        match (self.verdict, &self.coarser_solid) {
-            (ShellVerdict::ShellIsGood, Some(_)) => f.write_str("the shell is good here"),
-            (ShellVerdict::ShellIsGood, None) => {
-                f.write_str("the shell is good here, as far as this solid is fine enough")
-            }
-            (ShellVerdict::SolidTooCoarse, Some(coarser)) => write!(
-                f,
-                "no verdict, the solid is too coarse itself: halving its edges changed readings by \
-                 {:.1} % and displacements by {:.1} % (median); take shorter edges (--edge) or \
-                 halve more often (--halve-solid)",
-                percent(coarser.readings.median),
-                percent(coarser.tip.median)
-            ),
-            (_, Some(_)) => f.write_str("more than 10 %"),
-            (_, None) => f.write_str("more than 10 %, as far as this solid is fine enough itself"),
-        }
     }
 }
 

@@ -4,11 +4,11 @@ use hapdef_mesh::{PointIndex, SurfaceMesh};
 use nalgebra::Point3;
 use serde::Serialize;
 
-use super::differences::{GOOD_DIFFERENCE, norm, relative};
+use crate::convergence::{GOOD_DIFFERENCE, norm, relative};
 
-/// One place touched on both models.
+/// One place pressed on both models.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct TouchDifference {
+pub struct PressDifference {
     /// Where on the solid's skin, m.
     pub position_m: [f64; 3],
     /// Root of the sum of squares of all gauges' readings of the shell, µε/N.
@@ -16,7 +16,11 @@ pub struct TouchDifference {
     /// The same of the solid, µε/N.
     pub solid_ue_per_n: f64,
     /// The readings' relative difference.
-    pub difference: f64,
+    pub reading_difference: f64,
+    /// Displacement under the tip of the shell, µm/N, where it is compared.
+    pub shell_tip_um_per_n: Option<f64>,
+    /// The same of the solid, µm/N.
+    pub solid_tip_um_per_n: Option<f64>,
 }
 
 /// One gauge on both models.
@@ -56,29 +60,26 @@ pub struct ShellMaps {
 /// What the models answered, the solid's first, at places on the skin.
 pub(super) struct Tables<'a> {
     pub places: Vec<Point3<f64>>,
-    pub sites: &'a [Point3<f64>],
+    pub sites: Vec<Point3<f64>>,
     /// `[n_places][n_gauges]`, µε/N.
     pub readings: [&'a [Vec<f64>]; 2],
-    /// `[n_presses][1]` at the first places, µm/N.
-    pub tips: [&'a [Vec<f64>]; 2],
+    /// At the first places, µm/N.
+    pub tips: [&'a [f64]; 2],
 }
 
 impl Tables<'_> {
-    /// The readings' relative difference at a place.
-    pub fn difference(&self, place: usize) -> f64 {
+    pub fn presses(&self) -> Vec<PressDifference> {
         let [solid, shell] = self.readings;
-        relative(&shell[place], &solid[place])
-    }
-
-    pub fn touches(&self) -> Vec<TouchDifference> {
-        let [solid, shell] = self.readings;
-        let touch = |i: usize| TouchDifference {
-            position_m: self.places[i].coords.into(),
+        let [solid_tips, shell_tips] = self.tips;
+        let press = |(i, place): (usize, &Point3<f64>)| PressDifference {
+            position_m: place.coords.into(),
             shell_ue_per_n: norm(&shell[i]),
             solid_ue_per_n: norm(&solid[i]),
-            difference: self.difference(i),
+            reading_difference: relative(&shell[i], &solid[i]),
+            shell_tip_um_per_n: shell_tips.get(i).copied(),
+            solid_tip_um_per_n: solid_tips.get(i).copied(),
         };
-        (0..solid.len()).map(touch).collect()
+        self.places.iter().enumerate().map(press).collect()
     }
 
     pub fn gauges(&self) -> Vec<GaugeDifference> {
@@ -99,31 +100,26 @@ impl Tables<'_> {
         };
         self.sites.iter().enumerate().map(gauge).collect()
     }
-
-    /// At each of `points` the readings' difference at the nearest place.
-    pub fn nearest_difference(&self, points: &[Point3<f64>]) -> Vec<f64> {
-        let index = PointIndex::new(&self.places);
-        let value = |point| index.nearest(point).map_or(0.0, |(i, _)| self.difference(i));
-        points.iter().map(value).collect()
-    }
 }
 
 impl ShellMaps {
     pub(super) fn new(skin: &SurfaceMesh, tables: &Tables<'_>) -> Self {
-        let at = |rows: [&[Vec<f64>]; 2]| {
-            let places = &tables.places[..rows[0].len()];
-            let nearest = nearest_within_reach(skin.vertices(), places);
+        let at = |[solid, shell]: [&[&[f64]]; 2]| {
+            let nearest = nearest_within_reach(skin.vertices(), &tables.places[..solid.len()]);
             let value = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
                 nearest.iter().map(|i| i.map_or(f64::NAN, of)).collect()
             };
-            let [solid, shell] = rows;
             [
-                value(&|i| norm(&solid[i])),
-                value(&|i| norm(&shell[i])),
-                value(&|i| relative(&shell[i], &solid[i])),
+                value(&|i| norm(solid[i])),
+                value(&|i| norm(shell[i])),
+                value(&|i| relative(shell[i], solid[i])),
             ]
         };
-        Self { tip: at(tables.tips), readings: at(tables.readings) }
+        let tips = tables.tips.map(|tips| tips.chunks(1).collect::<Vec<_>>());
+        let readings =
+            tables.readings.map(|rows| rows.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let [tip, readings] = [&tips, &readings].map(|[solid, shell]| at([&solid[..], &shell[..]]));
+        Self { tip, readings }
     }
 
     /// The shares of the area where the differences are more than is good, a third of each
@@ -184,12 +180,12 @@ mod tests {
     fn check(shell: [f64; 3], expected_share: f64) -> ShellMaps {
         let skin = strip(8);
         let places: Vec<_> = (0..3).map(|i| Point3::new(f64::from(i), 0.5, 0.0)).collect();
-        let (solid, shell) = (column(&[1.0, 2.0, 4.0]), column(&shell));
+        let (tips, solid, shell) = (shell, column(&[1.0, 2.0, 4.0]), column(&shell));
         let tables = Tables {
-            sites: &places[..1],
+            sites: places[..1].to_vec(),
             places: places.clone(),
             readings: [&solid, &shell],
-            tips: [&solid, &shell],
+            tips: [&[1.0, 2.0, 4.0], &tips],
         };
         let maps = ShellMaps::new(&skin, &tables);
         let found = maps.above_good(&skin);

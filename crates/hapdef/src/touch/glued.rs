@@ -49,7 +49,7 @@ impl Gauges<'_> {
         };
         let (up, steps_up) = self.moved(motion, step);
         let (down, steps_down) = self.moved(motion, -step);
-        let (up, down) = (self.model.fields(&up)?, self.model.fields(&down)?);
+        let ((up, _), (down, _)) = (self.model.fields(&up)?, self.model.fields(&down)?);
         let spans: Vec<f64> = steps_up.iter().zip(&steps_down).map(|(a, b)| a + b).collect();
         let slope = |(i, (up, down)): (usize, (&Vector3<f64>, &Vector3<f64>))| {
             (up - down) / spans[i % spans.len()].max(f64::MIN_POSITIVE)

@@ -9,7 +9,6 @@ use nalgebra::{Point3, Vector3};
 
 use crate::error::HapdefError;
 use crate::limb::Limb;
-use crate::shell_limb::on_wall;
 use crate::wall_shell::WallShell;
 
 /// A gauge as the model reads it; nothing of one that lies on no wall of the shell's, as on a rib.
@@ -76,8 +75,15 @@ impl<'a> LimbModel<'a> {
         let functional = match self.shell {
             Some(shell) => {
                 let lost = limb.gauge_params.max_lost_share;
-                let gauge = on_wall(shell.gauge(site, &limb.material, lost))?;
-                return Ok(gauge.map(|gauge| gauge.functional().clone()));
+                return match shell.gauge(site, &limb.material, lost) {
+                    Ok(gauge) => Ok(Some(gauge.functional().clone())),
+                    Err(
+                        SimError::GaugeOverhang { .. }
+                        | SimError::GaugeOffWall { .. }
+                        | SimError::Direction { .. },
+                    ) => Ok(None),
+                    Err(error) => Err(error.into()),
+                };
             }
             None => {
                 let faces = &limb.boundary.faces;
@@ -92,9 +98,12 @@ impl<'a> LimbModel<'a> {
     ///
     /// # Errors
     /// [`HapdefError::Sim`].
-    pub(crate) fn fields(&self, gauges: &[ModelGauge]) -> Result<Vec<Vector3<f64>>, HapdefError> {
+    pub(crate) fn fields(
+        &self,
+        gauges: &[ModelGauge],
+    ) -> Result<(Vec<Vector3<f64>>, SolveInfo), HapdefError> {
         let there: Vec<&LinearFunctional> = gauges.iter().flatten().collect();
-        let (response, _) = self.model.response(&there)?;
+        let (response, solved) = self.model.response(&there)?;
         let mut fields = Vec::with_capacity(self.limb.skin.nodes.len() * gauges.len());
         for node in &self.limb.skin.nodes {
             let mut solved = (0..there.len()).map(GaugeId::from_index);
@@ -104,7 +113,7 @@ impl<'a> LimbModel<'a> {
             });
             fields.extend(row);
         }
-        Ok(fields)
+        Ok((fields, solved))
     }
 
     /// Displacements at the solid's `nodes` under loads on its skin, m/N; on a shell those of the wall's
@@ -214,5 +223,5 @@ fn solid_params(limb: &Limb, n_threads: usize) -> ElasticParams {
 
 fn shell_params(limb: &Limb, shell: &WallShell, n_threads: usize) -> ShellParams {
     let clamped = shell.clamped(&limb.clamped);
-    ShellParams { n_threads, ..ShellParams::new(limb.material, clamped) }
+    ShellParams { kind: shell.kind, n_threads, ..ShellParams::new(limb.material, clamped) }
 }

@@ -79,7 +79,7 @@ impl UncertainResponse {
         let skin = TouchedSkin::new(limb, tip_radius_m)?;
         let on_skin = |adjoint: &[Vector3<f64>]| skin.map(sites.len(), adjoint);
         let map = if params.refinements == 0 || model.shell.is_some() {
-            on_skin(&model.fields(in_model)?)?
+            on_skin(&model.fields(in_model)?.0)?
         } else {
             let fine = FineLimb::new(limb, params.refinements)?;
             fine.map(sites, tip_radius_m, params.n_threads)?

@@ -34,7 +34,7 @@ pub(super) fn gauge_map(
     gauges: &[ModelGauge],
     tip_radius_m: f64,
 ) -> Result<ResponseMap, HapdefError> {
-    let adjoint = model.fields(gauges)?;
+    let (adjoint, _) = model.fields(gauges)?;
     TouchedSkin::new(model.limb, tip_radius_m)?.map(gauges.len(), &adjoint)
 }
 

@@ -6,18 +6,14 @@ use std::sync::OnceLock;
 
 use hapdef::Limb;
 use hapdef::plan::Plan;
-use hapdef::shell_limb::{
-    ReportSource, ShellComparison, ShellLimb, ShellLimbParams, ShellVerdict, WallChoice, shell_limb,
-};
+use hapdef::scene::read_scene;
+use hapdef::shell_limb::{ShellComparison, ShellLimb, ShellLimbParams, ShellVerdict, WallChoice};
+use hapdef::touch::response_map;
 use hapdef_live::estimator::EstimatorKind;
-use hapdef_mesh::{FeNodeId, SurfaceMesh};
-use hapdef_sim::{IsotropicMaterial, NodalLoad};
-use nalgebra::{Point3, Vector3};
-use shell_limb_common::{fixture, surface, tube};
-
-fn pa2200() -> IsotropicMaterial {
-    IsotropicMaterial::new(1.7e9, 0.394, 930.0).unwrap()
-}
+use hapdef_mesh::{LengthUnit, SurfaceMesh, write_glb};
+use hapdef_sim::GaugeSite;
+use nalgebra::Point3;
+use shell_limb_common::{fixture, tube};
 
 /// The bundled skin with a wall of 1 mm, made once, on one thread.
 fn shin_limb() -> &'static ShellLimb {
@@ -29,32 +25,38 @@ fn shin_limb_on(n_threads: usize) -> ShellLimb {
     let params = ShellLimbParams {
         n_presses: 60,
         n_threads,
-        ..ShellLimbParams::new(WallChoice::Constant(1e-3), pa2200())
+        n_solid_halvings: Some(0),
+        ..ShellLimbParams::new(WallChoice::Constant(1e-3))
     };
-    shell_limb(&surface(&fixture("shin_skin.glb")), &params).unwrap()
+    ShellLimb::read(&fixture("shin_skin.glb"), LengthUnit::Metre, &params).unwrap()
 }
 
-/// A reading from a gauge's adjoint field is the reading after a press on the node.
+/// The limb of a surface in memory.
+fn limb_of(surface: &SurfaceMesh, params: &ShellLimbParams) -> ShellLimb {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a & b.glb");
+    write_glb(&file, surface, None).unwrap();
+    ShellLimb::read(&file, LengthUnit::Metre, params).unwrap()
+}
+
+/// The command's readings are those of the scene that it makes, read from files as any other.
 #[test]
-fn readings_are_those_of_forward_solves() {
+fn readings_are_those_of_the_scene() {
     let limb = shin_limb();
-    let readings = limb.readings_ue_per_n();
-    let n_gauges = limb.gauges.len();
-    assert_eq!(readings.len(), n_gauges * limb.mesh.nodes().len());
-    assert!(readings.iter().all(|r| r.is_finite()));
+    let folder = tempfile::tempdir().unwrap();
+    limb.write_scene(folder.path()).unwrap();
+    let path = folder.path().join("scene.json");
+    let scene = Limb::load(&read_scene(&path).unwrap(), folder.path()).unwrap();
+    assert!(scene.shell.is_some());
+    let nodal = response_map(&scene, 0.0, 1).unwrap().nodal();
+    let found = limb.readings_ue_per_n();
+    assert_eq!(found.len(), limb.limb.sites.len() * limb.limb.n_surface_nodes());
+    let largest = found.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     assert!(limb.info.median_best_ue_per_n > 1.0, "{:?}", limb.info);
-    let largest = readings.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    for node in [limb.info.gauges[3].strongest_node, limb.normals.len() / 2] {
-        let press = NodalLoad::nodal(FeNodeId::from_index(node), -limb.normals[node]);
-        let (motion, _) = limb.elastic_model.solve_motion(&press).unwrap();
-        for (gauge, strain) in limb.gauges.iter().enumerate() {
-            let expected = strain.strain(&motion) * 1e6;
-            let found = readings[node * n_gauges + gauge];
-            assert!(
-                (found - expected).abs() <= 1e-8 * largest,
-                "node {node}, gauge {gauge}: {found} and {expected}"
-            );
-        }
+    let rows = nodal.chunks(scene.sites.len()).zip(&scene.directions);
+    let expected = rows.flat_map(|(row, inward)| row.iter().map(|field| field.dot(inward)));
+    for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
+        assert!((found - expected).abs() <= 1e-4 * largest, "{i}: {found} and {expected}");
     }
 }
 
@@ -62,21 +64,23 @@ fn readings_are_those_of_forward_solves() {
 fn clamped_nodes_are_not_felt() {
     let limb = shin_limb();
     assert_eq!(limb.info.mount.axis, 'y');
-    assert!(!limb.clamped.is_empty());
+    assert!(limb.info.mount.n_clamped > 0);
     let best = limb.best_ue_per_n();
-    assert!(limb.clamped.iter().all(|node| best[node.index()] == 0.0));
+    let nodes = limb.limb.skin.nodes.iter().zip(best);
+    let mut held = nodes.filter(|(node, _)| limb.limb.clamped.binary_search(node).is_ok());
+    assert!(held.all(|(_, best)| best == 0.0));
 }
 
 #[test]
 fn gauges_keep_off_the_mount_and_each_other() {
     let limb = shin_limb();
     let half_diagonal_m = 0.5 * 8e-3_f64.hypot(5e-3);
-    let places: Vec<Point3<f64>> = limb.sites.iter().map(|site| site.position).collect();
+    let places: Vec<Point3<f64>> = limb.limb.sites.iter().map(|site| site.position).collect();
     for (i, place) in places.iter().enumerate() {
-        for node in &limb.clamped {
-            // Sites lie half a wall below the middle.
-            let distance_m = (limb.mesh.nodes()[node.index()] - place).norm();
-            assert!(distance_m > half_diagonal_m - 0.5e-3, "{distance_m}");
+        for node in &limb.limb.clamped {
+            let distance_m = (limb.limb.mesh.position(*node) - place).norm();
+            // sites are rounded to the micrometre
+            assert!(distance_m > half_diagonal_m - 2e-6, "{distance_m}");
         }
         for other in &places[..i] {
             assert!((other - place).norm() > 2.0 * half_diagonal_m);
@@ -98,36 +102,34 @@ fn measured_tube(edge_m: f64, n_solid_halvings: usize) -> ShellLimb {
         n_presses: 60,
         n_threads: 2,
         n_solid_halvings: Some(n_solid_halvings),
-        ..ShellLimbParams::new(WallChoice::Measured, pa2200())
+        ..ShellLimbParams::new(WallChoice::Measured)
     };
-    shell_limb(&tube(0.07), &params).unwrap()
+    limb_of(&tube(0.07), &params)
 }
 
 /// The wall of a double-walled solid is found, and its shell answers as the solid extruded from it.
 #[test]
 fn a_tube_is_measured_and_its_shell_is_good() {
-    let limb = measured_tube(5e-3, 1);
+    let limb = measured_tube(3.5e-3, 1);
     let wall = &limb.info.wall;
     let [_, low, median, high, _] = wall.thickness_quantiles_m;
     for thickness_m in [low, median, high] {
         assert!((thickness_m - 1e-3).abs() < 2e-5, "{thickness_m}");
     }
-    let measured = wall.measured.unwrap();
-    assert!(measured.not_shell_share < 0.1, "{measured:?}");
+    let made = wall.made.concat();
+    assert!(made.contains("% of the outer skin is no shell"), "{made}");
     let comparison = limb.against_extruded().unwrap();
-    println!("{comparison}");
-    assert_eq!(comparison.verdict, ShellVerdict::ShellIsGood, "{comparison}");
+    println!("{}", comparison.advice());
+    assert_eq!(comparison.verdict, ShellVerdict::ShellIsGood, "{}", comparison.advice());
     assert_eq!(comparison.n_gauges, 4);
-    assert_eq!(comparison.recommendation(), None);
     check_report(&limb, comparison);
 }
 
 /// The page is well-formed and takes nothing from outside; page and JSON have the figures.
 fn check_report(limb: &ShellLimb, comparison: ShellComparison) {
     let folder = tempfile::tempdir().unwrap();
-    let source = ReportSource { file: "a & b.glb".into(), file_hash: "0123".into(), scene: None };
     let comparisons = [comparison];
-    limb.write_report(folder.path(), &source, &comparisons).unwrap();
+    limb.write(folder.path(), &comparisons).unwrap();
     let read = |file: &str| std::fs::read_to_string(folder.path().join(file)).unwrap();
     let page = read("shell-report.html");
     for outside in ["http:", "https:", "src=", "href=", "url("] {
@@ -148,10 +150,13 @@ fn check_report(limb: &ShellLimb, comparison: ShellComparison) {
         assert_eq!(map["values"].as_array().unwrap().len(), n_vertices);
     }
     let figures: serde_json::Value = serde_json::from_str(&read("shell-report.json")).unwrap();
-    assert_eq!(figures["source"]["file"], "a & b.glb");
+    assert!(figures["source"]["file"].as_str().unwrap().ends_with("a & b.glb"));
     let compared = &figures["comparisons"][0];
     assert_eq!(compared["shell"]["tip"]["median"], comparison.shell.tip.median);
-    assert_eq!(compared["presses"].as_array().unwrap().len(), comparison.presses.len());
+    let presses = compared["presses"].as_array().unwrap();
+    assert_eq!(presses.len(), comparison.n_touches);
+    let with_tip = presses.iter().filter(|press| press["shell_tip_um_per_n"].is_number());
+    assert_eq!(with_tip.count(), comparison.n_tips);
     assert_eq!(compared["gauges"].as_array().unwrap().len(), 4);
     assert!(page.contains(&format!(
         "{:.1} % of the compared surface by displacement",
@@ -168,14 +173,12 @@ fn a_thick_wall_asks_for_the_solid() {
         n_presses: 60,
         n_threads: 2,
         n_solid_halvings: Some(0),
-        ..ShellLimbParams::new(WallChoice::Constant(10e-3), pa2200())
+        ..ShellLimbParams::new(WallChoice::Constant(10e-3))
     };
-    let limb = shell_limb(&outer_wall(&tube(0.1)), &params).unwrap();
-    let thin_wall = limb.thin_wall();
-    assert!(thin_wall.recommendation().is_some(), "{thin_wall}");
+    let limb = limb_of(&outer_wall(&tube(0.1)), &params);
+    assert!(limb.info.wall.too_thick.is_some(), "{:?}", limb.info.wall);
     let comparison = limb.against_extruded().unwrap();
-    println!("{comparison}");
-    let text = comparison.recommendation().unwrap();
+    let text = comparison.advice();
     assert!(text.starts_with("use the solid: "), "{text}");
 }
 
@@ -183,11 +186,11 @@ fn a_thick_wall_asks_for_the_solid() {
 #[test]
 fn the_bundled_skin_answers_as_its_own_wall() {
     let limb = shin_limb();
-    assert_eq!(limb.thin_wall().recommendation(), None);
+    assert_eq!(limb.info.wall.too_thick, None);
     let comparison = limb.against_extruded().unwrap();
-    println!("{comparison}");
-    assert_eq!(comparison.recommendation(), None, "{comparison}");
-    assert!(comparison.above_good.tip_share < 0.5, "{comparison}");
+    println!("{}", comparison.advice());
+    assert_eq!(comparison.verdict, ShellVerdict::ShellIsGood, "{}", comparison.advice());
+    assert!(comparison.above_good.tip_share < 0.5, "{:?}", comparison.above_good);
     let gauges = &comparison.gauges;
     assert!(gauges.iter().all(|g| g.difference < 0.3), "{gauges:?}");
 }
@@ -211,49 +214,47 @@ fn outer_wall(tube: &SurfaceMesh) -> SurfaceMesh {
     SurfaceMesh::new(vertices, outer).unwrap()
 }
 
-/// A moment of 1 N m at the free end of a tube turns it by L / (E I).
+/// Under a moment of 1 N m at the free end of a tube a gauge reads x / (E I), x off the neutral plane.
 #[test]
 fn a_tube_bends_as_a_beam() {
     let params = ShellLimbParams {
-        edge_m: Some(4e-3),
-        n_gauges: 1,
-        ..ShellLimbParams::new(WallChoice::Constant(1e-3), pa2200())
+        edge_m: Some(6e-3),
+        n_gauges: 16,
+        ..ShellLimbParams::new(WallChoice::Constant(1e-3))
     };
-    let limb = shell_limb(&outer_wall(&tube(0.12)), &params).unwrap();
-    let nodes = limb.mesh.nodes();
-    let is_top = |&i: &usize| nodes[i].y > 0.12 - 1e-9;
-    let top: Vec<usize> = (0..nodes.len()).filter(is_top).collect();
-    let sum: f64 = top.iter().map(|&i| nodes[i].x.powi(2)).sum();
-    let force = |&i: &usize| {
-        let force = Vector3::new(0.0, nodes[i].x / sum, 0.0);
-        (FeNodeId::from_index(i), force)
-    };
-    let load = NodalLoad { forces_n: top.iter().map(force).collect(), ..NodalLoad::default() };
-    let (displacement, _) = limb.elastic_model.solve(&load).unwrap();
-    let turned_rad = load.work_j(&displacement).unwrap();
-    let held_m = limb.clamped.iter().map(|n| nodes[n.index()].y);
-    let length_m = 0.12 - held_m.fold(0.0, f64::max);
-    let inertia_m4 = std::f64::consts::PI * 24.5e-3_f64.powi(3) * 1e-3;
-    let expected_rad = length_m / (1.7e9 * inertia_m4);
-    println!("{turned_rad:e} rad, beam {expected_rad:e}");
-    assert!((turned_rad / expected_rad - 1.0).abs() < 0.03);
+    let limb = limb_of(&outer_wall(&tube(0.12)), &params);
+    let points = limb.limb.surface_points();
+    let top: Vec<usize> = (0..points.len()).filter(|&i| points[i].y > 0.12 - 1e-6).collect();
+    let sum: f64 = top.iter().map(|&i| points[i].x.powi(2)).sum();
+    let fields = limb.response().unwrap().nodal();
+    let stiffness = 1.7e9 * std::f64::consts::PI * 24.5e-3_f64.powi(3) * 1e-3;
+    // the mount keeps the tube from widening, a diameter from either end that is no more felt
+    let is_clear = |site: &GaugeSite| (0.045..0.075).contains(&site.position.y);
+    let clear: Vec<_> =
+        (0..limb.limb.sites.len()).filter(|&g| is_clear(&limb.limb.sites[g])).collect();
+    assert!(clear.len() > 2, "{:?}", limb.limb.sites);
+    for gauge in clear {
+        let site = &limb.limb.sites[gauge];
+        let of = |&i: &usize| fields[i * limb.limb.sites.len() + gauge].y * points[i].x / sum;
+        let found_ue: f64 = top.iter().map(of).sum();
+        let expected_ue = 1e6 * site.position.x / stiffness;
+        println!("{found_ue} µε, beam {expected_ue}");
+        assert!((found_ue - expected_ue).abs() < 0.05 * 1e6 * 24e-3 / stiffness);
+    }
 }
 
 #[test]
 fn the_ribbed_solid_is_not_its_plain_skin() {
     let limb = shin_limb();
     let path = fixture("scene.json");
-    let scene = hapdef::scene::read_scene(&path).unwrap();
-    let solid = Limb::load(&scene, path.parent().unwrap()).unwrap();
-    let comparison = limb.against_solid("the ribbed limb", &solid).unwrap();
-    println!("{comparison}");
-    assert_eq!(comparison.verdict, ShellVerdict::UseTheSolid, "{comparison}");
-    assert!(comparison.shell.readings.median > 0.5, "{comparison}");
-    let text = comparison.recommendation().unwrap();
+    let comparison = limb.against_scene(&path).unwrap();
+    let text = comparison.advice();
+    assert_eq!(comparison.verdict, ShellVerdict::UseTheSolid, "{text}");
+    assert!(comparison.shell.readings.median > 0.5, "{text}");
     assert!(text.starts_with("use the solid: "), "{text}");
+    let solid = Limb::load(&read_scene(&path).unwrap(), path.parent().unwrap()).unwrap();
     assert_eq!(comparison.deck_hash, Some(solid.deck_hash.clone()));
-    assert!(comparison.above_good.readings_share > 0.9, "{comparison:?}");
-    assert_eq!(comparison.reading_difference.len(), solid.n_surface_nodes());
+    assert!(comparison.above_good.readings_share > 0.9, "{:?}", comparison.above_good);
     check_plan(limb, comparison, &solid);
 }
 
@@ -261,10 +262,7 @@ fn the_ribbed_solid_is_not_its_plain_skin() {
 fn check_plan(limb: &ShellLimb, comparison: ShellComparison, solid: &Limb) {
     let results = tempfile::tempdir().unwrap();
     let readings = format!("{:.1} %", 100.0 * comparison.shell.readings.median);
-    let source =
-        ReportSource { file: "shin_skin.glb".into(), file_hash: String::new(), scene: None };
-    let folder = results.path().join("shin_skin");
-    limb.write_report(&folder, &source, &[comparison]).unwrap();
+    limb.write(&results.path().join("shin_skin"), &[comparison]).unwrap();
     let plan = Plan {
         scene: String::new(),
         estimator: EstimatorKind::Superposition,

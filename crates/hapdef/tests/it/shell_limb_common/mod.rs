@@ -2,17 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use hapdef_mesh::{GltfParams, SurfaceMesh, read_gltf};
+use hapdef_mesh::SurfaceMesh;
 use nalgebra::Point3;
 
 /// A file of the bundled limb.
 pub fn fixture(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin").join(file)
-}
-
-/// A surface in metres.
-pub fn surface(path: &Path) -> SurfaceMesh {
-    read_gltf(path, &GltfParams::default()).unwrap().mesh
 }
 
 /// A tube 50 mm across with a wall of 1 mm, closed at its rims.

@@ -1,10 +1,10 @@
 //! The page of a comparison: verdict, tables, the limb from four sides.
 
-use hapdef_report::{Block, LimbMap, LimbView, TextTable, text_table};
+use hapdef_bench::stats::{quantile, sorted};
+use hapdef_report::{Block, LimbMap, LimbView, TextCell, TextTable};
 
-use super::super::differences::Differences;
-use super::super::info::quantile;
-use super::super::{Answered, GOOD_DIFFERENCE, GaugeDifference, ShellComparison, ShellVerdict};
+use super::{GaugeDifference, ShellComparison, ShellVerdict};
+use crate::convergence::GOOD_DIFFERENCE;
 
 /// Differences above this have the last colour, unless most are below.
 const LEAST_DIFFERENCE_RANGE: f64 = 0.2;
@@ -13,8 +13,14 @@ const LEAST_DIFFERENCE_RANGE: f64 = 0.2;
 pub(super) fn blocks(comparison: &ShellComparison) -> Vec<Block> {
     vec![
         Block::Heading(format!("Against {}", comparison.solid)),
-        verdict(comparison),
-        Block::Table(medians(comparison)),
+        Block::Verdict {
+            text: comparison.advice(),
+            warns: comparison.verdict == ShellVerdict::UseTheSolid,
+        },
+        Block::Table(table(
+            &["from the solid", "median %", "worst %", "overall %", "ratio, median"],
+            comparison.table().into_iter().map(Vec::from),
+        )),
         Block::Note(shares(comparison)),
         Block::Limb(limb(comparison)),
         Block::Heading("Gauges".into()),
@@ -27,43 +33,6 @@ pub(super) fn blocks(comparison: &ShellComparison) -> Vec<Block> {
     ]
 }
 
-fn verdict(comparison: &ShellComparison) -> Block {
-    let (warns, text) = match comparison.recommendation() {
-        Some(text) => (true, text),
-        None if comparison.verdict == ShellVerdict::SolidTooCoarse => (
-            false,
-            "no verdict: the solid itself changes by more than 10 % when its edges are halved"
-                .into(),
-        ),
-        None if comparison.coarser_solid.is_some() => (false, "the shell is good here".into()),
-        None => (false, "the shell is good here, as far as this solid is fine enough".into()),
-    };
-    Block::Verdict { text, warns }
-}
-
-fn medians(comparison: &ShellComparison) -> TextTable {
-    let mut rows = rows_of("shell", &comparison.shell);
-    if let Some(coarser) = &comparison.coarser_solid {
-        rows.extend(rows_of("solid, edges twice as long", coarser));
-    }
-    text_table(["from the solid", "median %", "worst %", "overall %", "ratio, median"], rows)
-}
-
-fn rows_of(who: &str, answered: &Answered) -> Vec<Vec<String>> {
-    let of = [("gauge strain", &answered.readings), ("displacement", &answered.tip)];
-    let row = |(what, d): (&str, &Differences)| {
-        let percent = |share: f64| format!("{:.1}", 100.0 * share);
-        vec![
-            format!("{who}: {what}"),
-            percent(d.median),
-            percent(d.worst),
-            percent(d.overall),
-            format!("{:.3}", d.median_ratio),
-        ]
-    };
-    of.into_iter().map(row).collect()
-}
-
 fn shares(comparison: &ShellComparison) -> String {
     let above = &comparison.above_good;
     format!(
@@ -73,7 +42,7 @@ fn shares(comparison: &ShellComparison) -> String {
          not wholly on the shell ({} places). Light grey: the inner side.",
         100.0 * GOOD_DIFFERENCE,
         100.0 * above.tip_share,
-        comparison.presses.len(),
+        comparison.n_tips,
         100.0 * above.readings_share,
         comparison.n_touches,
         comparison.n_fe_nodes,
@@ -96,11 +65,12 @@ fn limb(comparison: &ShellComparison) -> LimbView {
 /// Of the solid, the shell and their difference; solid and shell have one scale.
 fn maps_of(fields: &[Vec<f64>; 3], unit: &str, [answer, short]: [&str; 2]) -> [LimbMap; 3] {
     let [solid, shell, difference] = fields.each_ref().map(Vec::as_slice);
-    let compared =
-        |values: &[f64]| -> Vec<f64> { values.iter().copied().filter(|v| !v.is_nan()).collect() };
-    let answers = [compared(solid), compared(shell)].concat();
-    let most = quantile(answers, 0.99);
-    let far = quantile(compared(difference), 0.95).max(LEAST_DIFFERENCE_RANGE);
+    let high = |values: &[&[f64]], share: f64| {
+        let compared = values.concat().into_iter().filter(|v| !v.is_nan());
+        quantile(&sorted(compared), share)
+    };
+    let most = high(&[solid, shell], 0.99);
+    let far = high(&[difference], 0.95).max(LEAST_DIFFERENCE_RANGE);
     let map = |title: String, values: &[f64], unit: &str, factor, high| LimbMap {
         title,
         unit: unit.into(),

@@ -1,8 +1,7 @@
-//! How far answers are from those of a solid.
+//! How far answers are from those of a better model.
 
+use hapdef_bench::stats::median;
 use serde::Serialize;
-
-use super::info::quartiles;
 
 /// Relative difference up to which a shell is good enough, and a solid fine enough.
 pub const GOOD_DIFFERENCE: f64 = 0.1;
@@ -23,30 +22,37 @@ pub struct Differences {
 
 impl Differences {
     /// Of answers `[n][m]` from the solid's.
-    pub(super) fn of(answers: &[Vec<f64>], solid: &[Vec<f64>]) -> Self {
+    pub(crate) fn of(answers: &[Vec<f64>], solid: &[Vec<f64>]) -> Self {
         let pairs = || answers.iter().zip(solid);
-        let [_, _, median, _, worst] = quartiles(pairs().map(|(a, b)| relative(a, b)));
         let ratio = |(a, b): (&Vec<f64>, &Vec<f64>)| norm(a) / norm(b).max(f64::MIN_POSITIVE);
         Self {
-            median,
-            worst,
+            median: median(pairs().map(|(a, b)| relative(a, b))),
+            worst: largest(pairs().map(|(a, b)| relative(a, b))),
             overall: relative(&answers.concat(), &solid.concat()),
-            median_ratio: quartiles(pairs().map(ratio))[2],
+            median_ratio: median(pairs().map(ratio)),
         }
     }
 }
 
 /// ‖a − solid‖ / ‖solid‖; 0 where both are 0.
-pub(super) fn relative(a: &[f64], solid: &[f64]) -> f64 {
-    let difference: Vec<f64> = a.iter().zip(solid).map(|(a, b)| a - b).collect();
-    match (norm(&difference), norm(solid)) {
+pub(crate) fn relative(a: &[f64], solid: &[f64]) -> f64 {
+    match (distance(a, solid), norm(solid)) {
         (0.0, _) => 0.0,
-        (difference, whole) => difference / whole.max(f64::MIN_POSITIVE),
+        (distance, whole) => distance / whole.max(f64::MIN_POSITIVE),
     }
 }
 
-pub(super) fn norm(values: &[f64]) -> f64 {
+/// ‖a − b‖.
+pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+pub(crate) fn norm(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, f64::max)
 }
 
 #[cfg(test)]
