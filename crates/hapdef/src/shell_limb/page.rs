@@ -1,7 +1,7 @@
 //! The page of a comparison: verdict, tables, the limb from four sides.
 
 use hapdef_bench::stats::{quantile, sorted};
-use hapdef_report::{Block, LimbMap, LimbView, TextCell, TextTable};
+use hapdef_report::{Block, LimbMap, LimbView, TextTable, text_table};
 
 use super::{GaugeDifference, ShellComparison, ShellVerdict};
 use crate::convergence::GOOD_DIFFERENCE;
@@ -17,9 +17,9 @@ pub(super) fn blocks(comparison: &ShellComparison) -> Vec<Block> {
             text: comparison.advice(),
             warns: comparison.verdict == ShellVerdict::UseTheSolid,
         },
-        Block::Table(table(
-            &["from the solid", "median %", "worst %", "overall %", "ratio, median"],
-            comparison.table().into_iter().map(Vec::from),
+        Block::Table(text_table(
+            ["from the solid", "median %", "worst %", "overall %", "ratio, median"],
+            comparison.table(),
         )),
         Block::Note(shares(comparison)),
         Block::Limb(limb(comparison)),
