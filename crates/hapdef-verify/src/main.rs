@@ -5,7 +5,7 @@
 //! - [`cases`]: the table of docs/verification.md; a case is a row of data in one of its files.
 //! - [`run`]: solves cases and judges them, giving a [`Report`].
 //! - [`robustness`]: the solver at extremes, the table of docs/stability-fe.md.
-//! - [`deck`]: a deck against its known results; [`bench`]: times against other solvers.
+//! - [`deck`]: a deck against its known results; [`mod@bench`]: times against other solvers.
 //!
 //! Knows nothing of scenes, networks, gauges or the paper. Each case states its own units; those of
 //! published benchmarks (inch and pound, mm and MPa) are kept, since statics is free of units.

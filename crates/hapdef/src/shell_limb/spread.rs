@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use hapdef_mesh::{FeNodeId, PointIndex, clear_nodes, farthest_nodes, wall};
-use hapdef_sim::GaugeStrain;
+use hapdef_sim::{GaugeSite, GaugeStrain};
 use nalgebra::Vector3;
 
 use crate::error::HapdefError;
-use crate::limb::Limb;
+use crate::limb::{Limb, site};
 use crate::scene::Scene;
 use crate::touch::{PlacedGauge, gauge_entries};
 use crate::wall_shell::WallShell;
@@ -35,12 +35,18 @@ pub(super) fn spread_gauges(
     open.retain(is_off_mount);
     let n_candidates = open.len();
     let gauge_at = |node: FeNodeId| {
-        let site = scene.gauges.site(limb.mesh.position(node), long_axis);
-        let faces = &limb.boundary.faces;
-        let gauge = GaugeStrain::with_params(&limb.mesh, faces, &site, &limb.gauge_params).ok()?;
+        let on_solid = |site: &GaugeSite| {
+            let faces = &limb.boundary.faces;
+            GaugeStrain::with_params(&limb.mesh, faces, site, &limb.gauge_params).ok()
+        };
+        let at_node = scene.gauges.site(limb.mesh.position(node), long_axis);
+        let axis = on_solid(&at_node)?.axis();
+        let placed = PlacedGauge { position_m: at_node.position, axis };
+        // A footprint beside a rim may miss the wall once its place is rounded as the scene has it.
+        let site = site(gauge_entries(&[placed]).first()?, scene);
         let on_shell = |shell: &WallShell| shell.gauge(&site, &limb.material, 0.0).is_ok();
-        let is_whole = gauge.lost_share() == 0.0 && limb.shell.iter().all(on_shell);
-        is_whole.then(|| PlacedGauge { position_m: site.position, axis: gauge.axis() })
+        let is_whole = on_solid(&site)?.lost_share() == 0.0 && limb.shell.iter().all(on_shell);
+        is_whole.then_some(placed)
     };
     let mut found = BTreeMap::new();
     loop {
