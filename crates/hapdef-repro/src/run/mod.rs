@@ -157,7 +157,7 @@ fn assemble(
     stages.extend(made.ablations.iter().flat_map(Ablations::times));
     let mut figures = figures::figures(made)?;
     let report = Report {
-        summary: summary::first(&claims, &table2, &mut figures),
+        summary: summary::first(&run.profile.name, &claims, &table2, &mut figures),
         title: format!("hapdef: {}", run.scene.name),
         scene: run.scene.name.clone(),
         profile: run.profile.name.clone(),
