@@ -47,7 +47,8 @@ pub fn live_estimator(
 }
 
 /// Parameters of the tracker for a scene: no more contacts than the scene has.
-pub(crate) fn tracker_params(scene: &Scene) -> TrackerParams {
+#[must_use]
+pub fn tracker_params(scene: &Scene) -> TrackerParams {
     TrackerParams { max_contacts: scene.contact.max_contacts, ..TrackerParams::default() }
 }
 

@@ -22,8 +22,8 @@ mod superposition;
 pub use bundle::{BundleRequest, calibration_in_use, make_bundle};
 pub(crate) use calibration::N_STIFFNESS;
 pub use calibration::{CALIBRATION_SITES, Calibration, PressQuality};
-pub use chosen::{ChainStages, chain_stages, live_estimator, touch_estimator};
-pub(crate) use chosen::{by_superposition, tracker_params};
+pub(crate) use chosen::by_superposition;
+pub use chosen::{ChainStages, chain_stages, live_estimator, touch_estimator, tracker_params};
 pub use hapdef_live::estimator::{
     EstimatorKind, PaperChain, SearchPlace, Superposition, TouchEstimator, TouchFrame, TouchWanted,
     Tracking,

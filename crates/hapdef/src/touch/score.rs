@@ -10,10 +10,7 @@ use serde::Serialize;
 use super::probing::ProbedPress;
 use crate::error::HapdefError;
 use crate::scoring::{ContactPair, MAX_ONE_TO_ONE, OneToOne, ScoredContact, score_one_to_one};
-use crate::stats::ContactStats;
-
-/// A contact found farther away than this is not found, m.
-const FOUND_M: f64 = 0.010;
+use crate::stats::{ContactStats, FAR_M};
 
 /// Errors of presses of one number of contacts. The strongest contacts found, as many as there are, are
 /// paired with the true ones.
@@ -56,7 +53,7 @@ impl TouchScore {
             frames.iter().flat_map(|frame| frame.matched.pairs.iter().copied()).collect();
         let n_missed: usize = frames.iter().map(|frame| frame.matched.missed.len()).sum();
         let n_true = pairs.len() + n_missed;
-        let n_near = pairs.iter().filter(|pair| pair.position_error_m <= FOUND_M).count();
+        let n_near = pairs.iter().filter(|pair| pair.position_error_m <= FAR_M).count();
         let n_right = frames.iter().filter(|frame| frame.is_count_right).count();
         let errors_mm = pairs.iter().map(|pair| pair.position_error_m * 1e3);
         let lost_mm = std::iter::repeat_n(f64::INFINITY, n_missed);

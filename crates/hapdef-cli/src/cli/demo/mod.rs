@@ -9,12 +9,12 @@ use clap::Args;
 use clap::builder::RangedU64ValueParser;
 use hapdef::touch::{
     CALIBRATION_SITES, Calibration, PressQuality, ProbeParams, ProbedPress, ProbedRig, SearchPlace,
-    Superposition, TouchScore, Tracking, touchable_skin,
+    Superposition, TouchScore, Tracking, touchable_skin, tracker_params,
 };
 use hapdef::{Limb, Run, StepBar};
 use hapdef_bench::{table, terminal_table};
 use hapdef_cli::{SceneArgs, print_json, shown};
-use hapdef_inverse::{ContactEstimator, Press, TrackerParams};
+use hapdef_inverse::{ContactEstimator, Press};
 use hapdef_report::{MetricContext, MetricLog};
 use nalgebra::Point3;
 use serde::Serialize;
@@ -165,8 +165,7 @@ fn score(
         return Ok(TouchScore::of(&presses, || Ok(Superposition::new(estimator.clone())))?);
     }
     let presses = rig.presses(&ProbeParams { n_rising: N_RISING, ..params })?;
-    let params =
-        TrackerParams { max_contacts: run.scene.contact.max_contacts, ..TrackerParams::default() };
+    let params = tracker_params(&run.scene);
     Ok(TouchScore::of(&presses, || {
         Ok(Tracking::new(estimator.clone(), params, SearchPlace::Here)?)
     })?)
