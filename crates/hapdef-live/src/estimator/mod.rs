@@ -120,6 +120,8 @@ pub struct Explained {
     pub contacts: Vec<Contact>,
     /// The probability of a residual as large by noise and the map's error.
     pub p_value: f64,
+    /// −2 ln evidence, up to what all explanations of the same readings, mirrored or not, share.
+    pub cost: f64,
 }
 
 /// What explains readings by `estimator`, pressing and mirrored.
@@ -144,7 +146,7 @@ impl Explained {
     fn of(estimator: &ContactEstimator, found: &ContactEstimate) -> Self {
         let skin = estimator.map().skin();
         let contacts = found.contacts.iter().map(|contact| contact.contact(skin, true)).collect();
-        Self { contacts, p_value: found.p_value }
+        Self { contacts, p_value: found.p_value, cost: found.cost }
     }
 }
 

@@ -6,7 +6,7 @@ use hapdef_contact::{Contact, TouchPhase, UnknownReason};
 use hapdef_inverse::{DriftState, TareEnd};
 
 use super::Compute;
-use super::cause::{LEAST_P, MOST_DRIFT_S, is_better, is_drift, is_press, is_strong};
+use super::cause::{LEAST_P, MOST_DRIFT_S, is_better, is_drift, is_press, is_release};
 use super::conditioning::Conditioning;
 use crate::estimator::Explained;
 use crate::sink::LiveEvent;
@@ -274,7 +274,7 @@ impl Compute {
             return;
         };
         let is_checked = 3 * released.contacts.len() + LEAST_CHECKS <= mean.len();
-        if !is_checked || !is_strong(&released) || !is_better(&released, &pressing) {
+        if !is_checked || !is_release(&released, &pressing) {
             return;
         }
         let is_put_right = self.setup.params.retare == Retare::Auto;
