@@ -45,7 +45,7 @@ impl FoxgloveServer {
             channels.push(channel.map_err(fault)?);
         }
         let handle = WebSocketServer::new()
-            .name("hapdef")
+            .name(params.name())
             .message_backlog_size(BACKLOG)
             .bind(host, port)
             .context(&context)

@@ -86,6 +86,12 @@ impl RosParams {
         Ok(())
     }
 
+    /// What tells this limb from others among nodes, servers and diagnostics: the prefix as one word.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.prefix.trim_start_matches('/').replace('/', "_")
+    }
+
     /// Frame of a contact's slot.
     #[must_use]
     pub fn contact_frame(&self, slot: usize) -> String {

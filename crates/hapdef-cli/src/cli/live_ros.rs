@@ -43,6 +43,12 @@ pub(crate) struct RosArgs {
     /// Publish on the topics of ROS 2 by rmw_zenoh, in this ROS_DOMAIN_ID.
     #[arg(long, value_name = "DOMAIN")]
     zenoh: Option<u32>,
+    /// Before the names of the limb's topics, another for each limb: /left_arm/shin.
+    #[arg(long, value_name = "NAME", default_value_t = RosParams::default().prefix)]
+    prefix: String,
+    /// Frame of the limb, that of the link in the robot's tf; its contacts' frames are below it.
+    #[arg(long, value_name = "NAME", default_value_t = RosParams::default().frame_id)]
+    frame: String,
 }
 
 /// A source that can be recorded on its way, and where what is made of it goes.
@@ -71,6 +77,8 @@ pub(super) struct RosSink {
     recorder: Option<LiveRecorder>,
     /// Wall clock less monotonic clock.
     wall_offset_ns: u64,
+    /// The limb's name in diagnostics.
+    limb: String,
     /// What was said last of whether contacts can be known.
     known: Option<Known>,
 }
@@ -83,7 +91,7 @@ impl RosArgs {
         truth: Option<Receiver<TruthFrame>>,
         recordings: Recordings,
     ) -> Result<Attached> {
-        let params = RosParams::default();
+        let params = self.params()?;
         let mut sinks: Vec<Box<dyn MessageSink>> = Vec::new();
         let mut names = Vec::new();
         if let Some(address) = self.foxglove {
@@ -115,6 +123,7 @@ impl RosArgs {
             true => None,
             false => Some(RosSink {
                 name: names.join(", "),
+                limb: params.name(),
                 encoder: RosEncoder::new(params, Sinks(sinks))?,
                 truth,
                 recorder: recorder.clone(),
@@ -123,6 +132,17 @@ impl RosArgs {
             }),
         };
         Ok(Attached { source, sink, recorder })
+    }
+
+    /// How messages are named.
+    pub(super) fn params(&self) -> Result<RosParams> {
+        let params = RosParams {
+            prefix: self.prefix.clone(),
+            frame_id: self.frame.clone(),
+            ..RosParams::default()
+        };
+        params.check().context("--prefix and --frame")?;
+        Ok(params)
     }
 
     /// The file that was named, else what is in use.
@@ -157,7 +177,8 @@ fn foxglove(_: &RosParams, _: std::net::SocketAddr) -> Result<Box<dyn MessageSin
 
 #[cfg(feature = "zenoh")]
 fn zenoh(params: &RosParams, domain_id: u32) -> Result<Box<dyn MessageSink>> {
-    let zenoh = hapdef_ros::ZenohParams { domain_id, ..hapdef_ros::ZenohParams::default() };
+    let node = params.name();
+    let zenoh = hapdef_ros::ZenohParams { domain_id, node, ..hapdef_ros::ZenohParams::default() };
     Ok(Box::new(hapdef_ros::ZenohSink::open(params, &zenoh)?))
 }
 
@@ -225,7 +246,7 @@ impl Sink for RosSink {
         match (event, &mut self.truth) {
             (LiveEvent::Health(health), _) => {
                 let stamp_ns = self.stamp_ns(SystemClock.now_ns());
-                self.encoder.health(&parts(health, stamp_ns))?;
+                self.encoder.health(&parts(&self.limb, health, stamp_ns))?;
                 if let Some(known) = self.known {
                     self.know(Known { stamp_ns, ..known }, true)?;
                 }
@@ -262,11 +283,11 @@ fn put_truth(encoder: &mut RosEncoder<Sinks>) -> impl FnMut(u64, u32, &Touch) ->
     |stamp_ns, seq, known| Ok(encoder.truth(stamp_ns, seq, known)?)
 }
 
-/// How the runtime is doing, part by part.
-fn parts(health: &Health, stamp_ns: u64) -> Vec<Part> {
+/// How the runtime of a limb is doing, part by part.
+fn parts(limb: &str, health: &Health, stamp_ns: u64) -> Vec<Part> {
     let part = |name: &str, level, message: String, values: &[(&str, String)]| Part {
         stamp_ns,
-        name: format!("hapdef: {name}"),
+        name: format!("{limb}: {name}"),
         level,
         message,
         hardware_id: health.source_name.clone(),

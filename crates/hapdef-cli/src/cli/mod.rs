@@ -135,7 +135,7 @@ enum Command {
     /// One file with everything that a robot needs to find contacts.
     Bundle(bundle::BundleArgs),
     /// Contacts from a stream of frames: a device, a recording.
-    Live(live::LiveArgs),
+    Live(Box<live::LiveArgs>),
     /// The limb's compliance and the simulated rig's response.
     #[command(after_help = "Example:\n  hapdef simulate fixtures/shin/scene.json")]
     Simulate(RunArgs),

@@ -1,5 +1,6 @@
 //! `hapdef bundle` and `hapdef live` as a person uses them: a recording, played into contacts.
 
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -12,6 +13,7 @@ use hapdef_daq::source::ReplaySource;
 use hapdef_daq::{AcquireParams, Frame, Message, acquire};
 use hapdef_inverse::SkinPoint;
 use hapdef_live::Bundle;
+use hapdef_ros::{from_cdr, msg};
 use serde_json::Value;
 
 /// µε per count.
@@ -106,7 +108,46 @@ fn a_recording_is_played_into_contacts() {
     refused(&[&everywhere[..], &["--insecure-bind"]].concat(), &["--view-bind", "--view-host"]);
     a_full_disk_is_told_while_it_goes_on(&file, &recording, &path("full.mcap"));
     the_calibration_in_use_is_recorded(&bundle, &source, folder.path());
+    limbs_have_topics_and_frames_of_their_own(&file, &source, folder.path());
     damage_is_told_and_counted(&file, &recording);
+}
+
+/// Two limbs of a robot share no topic but those that all share, and no frame.
+fn limbs_have_topics_and_frames_of_their_own(file: &str, source: &str, folder: &Path) {
+    let live = ["live", file, "--source", source];
+    refused(
+        &[&live[..], &["--prefix", "left"]].concat(),
+        &["--prefix", "prefix", "/hapdef", "left"],
+    );
+    refused(&[&live[..], &["--frame", "my limb"]].concat(), &["--frame", "frame_id", "my limb"]);
+    let topics_of = |limb: &str| {
+        let recording = folder.join(format!("{limb}.mcap"));
+        let prefix = format!("/robot/{limb}");
+        let named = ["--prefix", &prefix, "--frame", limb, "--record", recording.to_str().unwrap()];
+        let played = hapdef(&[&live[..], &named].concat());
+        assert!(played.status.success(), "{played:?}");
+        let mut records = Recording::open(&recording).unwrap();
+        let (mut topics, mut frames) = (BTreeSet::new(), BTreeSet::new());
+        while let Some(record) = records.next_record().unwrap() {
+            let Content::Further(topic) = &record.content else {
+                continue;
+            };
+            if topic.name == format!("{prefix}/contacts") {
+                let contacts = from_cdr::<msg::Contacts>(&record.bytes).unwrap();
+                frames.insert(contacts.header.frame_id);
+            }
+            topics.insert(topic.name.clone());
+        }
+        assert_eq!(frames.into_iter().collect::<Vec<_>>(), [limb]);
+        topics
+    };
+    let both = [topics_of("left_shin"), topics_of("right_shin")];
+    let shared: Vec<&String> = both[0].intersection(&both[1]).collect();
+    assert!(
+        shared.iter().all(|topic| ["/tf", "/diagnostics"].contains(&topic.as_str())),
+        "{shared:?}"
+    );
+    assert!(both[0].contains("/robot/left_shin/status"), "{:?}", both[0]);
 }
 
 /// Frames at a fifth of their pace, to a disk that is full after 64 KiB.
