@@ -134,6 +134,7 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
     let first = args.first(Instant::now());
     let path = &args.scene.scene;
     args.view.check_reach(args.insecure_bind)?;
+    args.ros.params()?;
     let mut model = if is_bundle(path)? {
         Model::of_bundle(args, &Bundle::read(path)?)?
     } else {

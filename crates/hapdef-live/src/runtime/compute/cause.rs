@@ -19,8 +19,8 @@ pub(super) const MOST_DRIFT_S: f64 = 10.0;
 /// at a time 2 in 100 are found less well than by [`LEAST_P`].
 const MISFIT_P: f64 = 1e-6;
 
-/// How much more evidence a release needs than a press, in −2 ln: of a thousand touches one is what was tared unseen.
-/// Without it a limb with few gauges and a map that is not calibrated takes presses for releases (8 gauges: up to 4.3 in
+/// How much more evidence a release needs than a press, in −2 ln: one touch in a thousand is taken to be what was tared
+/// unseen. Without it a limb with few gauges and a map that is not calibrated takes presses for releases (8 gauges: up to 4.3 in
 /// favour of them; true releases on ten calibrated gauges: 99 and more).
 const RELEASE_MARGIN: f64 = 13.8;
 
