@@ -27,6 +27,7 @@ mod limits;
 mod nearest;
 mod node_gradient;
 mod noise;
+mod other_loads;
 mod patch;
 mod placement;
 mod response;
@@ -56,6 +57,7 @@ pub use limits::{
     Carried, ContactBound, LimitParams, carried_contacts, joint_bounds, single_bounds,
 };
 pub use noise::{ModelError, NoiseParams};
+pub use other_loads::OtherLoads;
 pub use patch::{TipMeans, tip_ring_m};
 pub use placement::{
     Candidates, CoverParams, PlacementParams, PlacementScore, cover, exchange, place_entropy,

@@ -1,6 +1,7 @@
 //! What readings and the response map are worth: covariances.
 
 use crate::error::{InverseError, check_finite, check_length, check_not_negative, check_positive};
+use crate::other_loads::OtherLoads;
 
 /// Noise of the readings and error of the response map. All in the unit of the readings.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +15,8 @@ pub struct NoiseParams {
     pub model_error: ModelError,
     /// The force at which the error of the map is put into the scan's whitening, N.
     pub typical_force_n: f64,
+    /// Loads that are no contacts; none where nothing but contacts strains the limb.
+    pub loads: OtherLoads,
 }
 
 /// Error of the response map: a contact of force A adds A² C(p) to the covariance of the readings.
@@ -57,6 +60,7 @@ impl NoiseParams {
             quantisation_step: Vec::new(),
             model_error: ModelError::default(),
             typical_force_n: 10.0,
+            loads: OtherLoads::default(),
         }
     }
 
@@ -72,6 +76,7 @@ impl NoiseParams {
             check_not_negative("quantisation_step", step)?;
         }
         check_positive("typical_force_n", self.typical_force_n)?;
+        self.loads.check(n_gauges)?;
         let error = &self.model_error;
         check_not_negative("model_error.relative", error.relative)?;
         check_not_negative("model_error.friction_rms", error.friction_rms)?;
@@ -89,6 +94,18 @@ impl NoiseParams {
     pub(crate) fn variance(&self, gauge: usize) -> f64 {
         let step = self.quantisation_step.get(gauge).copied().unwrap_or(0.0);
         self.gauge_sd[gauge].powi(2) + step * step / 12.0
+    }
+
+    /// Covariance of the readings of the gauges `live` of an untouched limb `[n_live, n_live]`: noise and
+    /// the loads that are no contacts.
+    pub(crate) fn covariance(&self, live: &[usize]) -> Vec<f64> {
+        let m = live.len();
+        let mut covariance = vec![0.0; m * m];
+        for (g, &gauge) in live.iter().enumerate() {
+            covariance[g * m + g] = self.variance(gauge);
+        }
+        self.loads.add_to(live, self.gauge_sd.len(), &mut covariance);
+        covariance
     }
 }
 

@@ -1,6 +1,6 @@
 //! How many unknowns the live gauges can determine.
 
-use crate::dense::{add_scaled, dot, padded};
+use crate::dense::{add_scaled, cholesky, dot, padded, solve_lower};
 use crate::noise::NoiseParams;
 use crate::response::ResponseMap;
 use crate::sites::ScanSites;
@@ -11,7 +11,7 @@ use crate::sites::ScanSites;
 const SEEN_SDS: f64 = 3.0;
 
 /// Directions in which contacts of `force_n` move the readings of the gauges `live`: readings
-/// at the scan sites in units of the noise, the longest taken and taken out of all others, until
+/// at the scan sites in units of the noise and of loads that are no contacts, the longest taken and taken out of all others, until
 /// none is longer than three. Blind gauges add nothing, and twins no more than one of them.
 pub(crate) fn effective_rank(
     map: &ResponseMap,
@@ -20,10 +20,13 @@ pub(crate) fn effective_rank(
     live: &[usize],
     force_n: f64,
 ) -> usize {
-    let sds: Vec<f64> = live.iter().map(|&g| noise.variance(g).sqrt()).collect();
+    let mut l = noise.covariance(live);
+    if !cholesky(&mut l, live.len(), 0.0) {
+        return 0;
+    }
     let scaled = |g: Vec<f64>| -> Vec<f64> {
-        let each = live.iter().zip(&sds);
-        let mut row: Vec<f64> = each.map(|(&gauge, sd)| force_n * g[gauge] / sd).collect();
+        let mut row: Vec<f64> = live.iter().map(|&gauge| force_n * g[gauge]).collect();
+        solve_lower(&l, live.len(), &mut row);
         row.resize(padded(live.len()), 0.0);
         row
     };

@@ -14,8 +14,8 @@ use crate::skin_point::SkinPoint;
 
 /// Everything that depends on the map, the noise and the live gauges, not on the frame.
 ///
-/// Readings y of the live gauges become z = L⁻¹ y with L Lᵀ = R + A² C̄, the noise with the map's
-/// mean error at a typical force A; without map error z has unit covariance.
+/// Readings y of the live gauges become z = L⁻¹ y with L Lᵀ = R + A² C̄, R the noise and the loads that
+/// are no contacts, C̄ the map's mean error at a typical force A; without map error z has unit covariance.
 #[derive(Clone, Debug)]
 pub(crate) struct Model {
     pub(crate) map: Arc<ResponseMap>,
@@ -62,10 +62,7 @@ impl Model {
             return Err(InverseError::TooFewGauges { n_live, needed });
         }
         let errors = site_errors(&map, &sites, &noise.model_error, &live);
-        let mut r = vec![0.0; m * m];
-        for i in 0..m {
-            r[i * m + i] = noise.variance(live[i]);
-        }
+        let r = noise.covariance(&live);
         let mut l = r.clone();
         for error in errors.chunks_exact(m * m) {
             let scale = noise.typical_force_n.powi(2) / sites.len() as f64;

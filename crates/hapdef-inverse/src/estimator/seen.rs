@@ -1,18 +1,20 @@
 //! The smallest force that would be seen wherever it pressed.
 
 use crate::chi_square::tail_point;
+use crate::dense::{cholesky, solve_lower};
 use crate::estimator::ContactEstimator;
+use crate::noise::NoiseParams;
 
 /// A frame of noise alone is taken for a contact so rarely: the usual `touch_p` of
 /// [`crate::ConditionerParams`].
 const SEEN_P: f64 = 1e-6;
 
-/// How strongly the gauges answer to a newton at each site, in standard deviations of their noise.
+/// How the gauges answer to a newton at each site, beside noise and loads that are no contacts.
 #[derive(Clone, Debug)]
 pub struct SeenForces {
-    /// Squares of them `[n_sites, n_gauges]`, per N².
-    answers_2: Vec<f64>,
-    n_gauges: usize,
+    /// `[n_sites, n_gauges]`, per N.
+    answers: Vec<f64>,
+    noise: NoiseParams,
     /// Σ answers² A² that takes the mean χ² of a frame to what noise exceeds with [`SEEN_P`], by gauges.
     needed: Vec<f64>,
 }
@@ -26,32 +28,38 @@ impl SeenForces {
     /// On the sites and the noise of `estimator`, for all gauges.
     #[must_use]
     pub fn new(estimator: &ContactEstimator) -> Self {
-        let (map, sites, sd) = (estimator.map(), &estimator.model.sites, estimator.gauge_sd());
-        let answers = sites.points().iter().flat_map(|point| {
-            map.normal(point).into_iter().zip(sd).map(|(unit, sd)| (unit / sd).powi(2))
-        });
+        let (map, sites) = (estimator.map(), &estimator.model.sites);
         Self {
-            answers_2: answers.collect(),
-            n_gauges: map.n_gauges(),
+            answers: sites.points().iter().flat_map(|point| map.normal(point)).collect(),
+            noise: estimator.noise.clone(),
             needed: (0..=map.n_gauges()).map(needed_chi2).collect(),
         }
     }
 
     /// The smallest force, N, that shows in a single frame wherever on the skin it presses, by the gauges
-    /// of `live` `[n_gauges]`, by all if `None`: there the mean of χ², n + Σ (g A/σ)², is what noise
+    /// of `live` `[n_gauges]`, by all if `None`: there the mean of χ², n + A² gᵀ R⁻¹ g, is what noise
     /// exceeds once in a million frames. Infinite with fewer than three gauges, which no contact is
     /// found by.
     #[must_use]
     pub fn smallest_n(&self, live: Option<&[bool]>) -> f64 {
+        let n_gauges = self.noise.gauge_sd.len();
         let counts = |gauge: usize| live.is_none_or(|live| live.get(gauge) == Some(&true));
-        let n_live = (0..self.n_gauges).filter(|&gauge| counts(gauge)).count();
-        if n_live < 3 {
+        let live: Vec<usize> = (0..n_gauges).filter(|&gauge| counts(gauge)).collect();
+        let n_live = live.len();
+        let mut l = self.noise.covariance(&live);
+        if n_live < 3 || !cholesky(&mut l, n_live, 0.0) {
             return f64::INFINITY;
         }
-        let answer_2 = |of: &[f64]| -> f64 {
-            of.iter().enumerate().filter(|(g, _)| counts(*g)).map(|(_, square)| square).sum()
+        let mut row = vec![0.0; n_live];
+        let mut answer_2 = |of: &[f64]| -> f64 {
+            row.iter_mut().zip(&live).for_each(|(r, &gauge)| *r = of[gauge]);
+            solve_lower(&l, n_live, &mut row);
+            row.iter().map(|r| r * r).sum()
         };
-        let faintest = self.answers_2.chunks_exact(self.n_gauges).map(answer_2);
-        (self.needed[n_live] / faintest.fold(f64::INFINITY, f64::min)).sqrt()
+        let mut faintest = f64::INFINITY;
+        for of in self.answers.chunks_exact(n_gauges) {
+            faintest = faintest.min(answer_2(of));
+        }
+        (self.needed[n_live] / faintest).sqrt()
     }
 }

@@ -4,6 +4,7 @@ use hapdef_contact::Phase;
 
 use crate::dense::{add_scaled, dot, solve_lower, solve_upper};
 use crate::estimator::{MAX_CONTACTS, Model};
+use crate::other_loads::OtherLoads;
 use crate::tracker::hypothesis::Hypothesis;
 use crate::tracker::metric::{Metric, Solved};
 use crate::walk::AtWall;
@@ -27,13 +28,16 @@ pub(super) struct Filter {
     change: Vec<f64>,
     /// The map's error per N², mean over the sites `[m, m]`; empty if the map is exact.
     mean_error: Vec<f64>,
+    /// Covariance of loads that are no contacts, in units of the noise `[m, m]`; empty without such.
+    loads: Vec<f64>,
     /// Gauges that are read `[m]`.
     pub(super) live: Vec<bool>,
 }
 
 impl Filter {
-    pub(super) fn new(model: &Model, stride: usize) -> Self {
+    pub(super) fn new(model: &Model, stride: usize, loads: &OtherLoads) -> Self {
         Self {
+            loads: in_noise(model, loads),
             t: vec![0.0; stride * model.width],
             s: vec![0.0; model.m * model.m],
             basis: vec![0.0; MAX_CONTACTS * model.width],
@@ -43,15 +47,18 @@ impl Filter {
         }
     }
 
-    /// S = 1 + H P Hᵀ and the atoms of `hypothesis` for `forces` into `metric`, P Hᵀ into the buffers;
-    /// H of contact i is Aᵢ (∂₁g, ∂₂g, 1).
+    /// S = 1 + H P Hᵀ + c² B and the atoms of `hypothesis` for `forces` into `metric`, P Hᵀ into the
+    /// buffers; H of contact i is Aᵢ (∂₁g, ∂₂g, 1), B the covariance of loads that are no contacts and c
+    /// `scale`, how many times larger the forces are than those of one frame: loads stay while frames add up,
+    /// as noise doesn't.
     pub(super) fn weigh(
         &mut self,
         hypothesis: &Hypothesis,
         forces: &[f64; MAX_CONTACTS],
+        scale: f64,
         metric: &mut Metric,
     ) {
-        self.weigh_beside(hypothesis, forces, 0.0, metric);
+        self.weigh_beside(hypothesis, forces, scale, 0.0, metric);
     }
 
     /// The same with the map's error for a contact anywhere of force `newcomer_n`.
@@ -59,6 +66,7 @@ impl Filter {
         &mut self,
         hypothesis: &Hypothesis,
         forces: &[f64; MAX_CONTACTS],
+        scale: f64,
         newcomer_n: f64,
         metric: &mut Metric,
     ) {
@@ -101,6 +109,9 @@ impl Filter {
         for (s, c) in self.s.iter_mut().zip(&self.mean_error) {
             *s += newcomer_n * newcomer_n * c;
         }
+        for (s, b) in self.s.iter_mut().zip(&self.loads) {
+            *s += scale * scale * b;
+        }
         metric.set_covariance(&self.s);
         metric.set_atoms(&hypothesis.atoms, hypothesis.n);
     }
@@ -128,9 +139,9 @@ impl Filter {
                 }
             }
         }
-        self.weigh(hypothesis, &hypothesis.forces().map(|a| a * scale), metric);
+        self.weigh(hypothesis, &hypothesis.forces().map(|a| a * scale), scale, metric);
         let guess = metric.solve(z).forces;
-        self.weigh(hypothesis, &guess, metric);
+        self.weigh(hypothesis, &guess, scale, metric);
         let solved = metric.solve(z);
         self.learn(hypothesis, &solved, metric);
         for i in 0..hypothesis.n {
@@ -184,7 +195,7 @@ impl Filter {
     /// Covariances of places and forces of the held contacts of `hypothesis` for frames with its forces,
     /// and `metric` for them.
     pub(super) fn refresh(&mut self, hypothesis: &mut Hypothesis, metric: &mut Metric) {
-        self.weigh(hypothesis, &hypothesis.forces(), metric);
+        self.weigh(hypothesis, &hypothesis.forces(), 1.0, metric);
         let (n, width, d) = (hypothesis.n, hypothesis.width, hypothesis.d);
         let mut forces = [0.0; MAX_CONTACTS * MAX_CONTACTS];
         self.set_force_noise(hypothesis, metric);
@@ -229,4 +240,19 @@ impl Filter {
             hypothesis.tracks[i].force_noise_n = variance.sqrt();
         }
     }
+}
+
+/// Covariance of `loads` in units of the noise that `model` is whitened by.
+fn in_noise(model: &Model, loads: &OtherLoads) -> Vec<f64> {
+    if loads.is_empty() {
+        return Vec::new();
+    }
+    let m = model.m;
+    let mut covariance = vec![0.0; m * m];
+    loads.add_to(&model.live, model.map.n_gauges(), &mut covariance);
+    let sd = |g: usize| model.l[g * m + g];
+    for (k, c) in covariance.iter_mut().enumerate() {
+        *c /= sd(k / m) * sd(k % m);
+    }
+    covariance
 }

@@ -31,7 +31,7 @@ fn is_block_odd(work: &mut Workspace) -> bool {
     let scale = work.gathered.frame(&mut buffers.z);
     let best = work.hypotheses.best();
     let forces = best.forces().map(|a| a * scale);
-    buffers.filter.weigh(best, &forces, &mut buffers.metric);
+    buffers.filter.weigh(best, &forces, scale, &mut buffers.metric);
     let solved = buffers.metric.solve(&buffers.z);
     let n = best.n;
     work.is_odd(solved.chi2, n)

@@ -128,7 +128,7 @@ impl Refiner<'_> {
             }
         }
         let forces = hypothesis.forces().map(|a| a * target.scale);
-        self.filter.weigh(hypothesis, &forces, self.metric);
+        self.filter.weigh(hypothesis, &forces, target.scale, self.metric);
         let width = hypothesis.width;
         for i in 0..hypothesis.n {
             let at = (3 * i + 2) * width;

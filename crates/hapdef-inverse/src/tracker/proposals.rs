@@ -82,7 +82,13 @@ pub(super) fn scan_beside(work: &mut Workspace, base: usize, newcomer_n: f64) {
     let hypothesis = &work.hypotheses.candidates[base];
     let forces = hypothesis.forces().map(|a| a * scale);
     let buffers = &mut work.buffers;
-    buffers.filter.weigh_beside(hypothesis, &forces, newcomer_n * scale, &mut buffers.metric);
+    buffers.filter.weigh_beside(
+        hypothesis,
+        &forces,
+        scale,
+        newcomer_n * scale,
+        &mut buffers.metric,
+    );
     let solved = buffers.metric.solve(&buffers.z);
     buffers.scan.scan(&buffers.metric, &solved.forces);
 }

@@ -108,5 +108,5 @@ fn are_two_in_one_place(work: &Workspace) -> bool {
 fn is_checked(work: &Workspace) -> bool {
     let n = work.frame.contacts.len();
     let is_last = n >= work.params.max_contacts;
-    work.n_live >= n + PLACE_UNKNOWNS + spare_numbers(is_last)
+    work.n_free() >= n + PLACE_UNKNOWNS + spare_numbers(is_last)
 }

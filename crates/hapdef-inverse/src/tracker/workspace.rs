@@ -43,6 +43,8 @@ pub(super) struct Workspace {
     /// χ² beyond which a frame alarms, by degrees of freedom.
     alarms: Vec<f64>,
     pub(super) n_live: usize,
+    /// Numbers of a frame that loads which are no contacts take.
+    n_taken: usize,
     pub(super) next_id: u64,
     pub(super) steps_left: usize,
     /// Whether the best hypothesis changed in this frame, so that its forces have to be solved again.
@@ -72,7 +74,9 @@ impl Workspace {
         let mut live = vec![false; n_gauges];
         from.live.iter().for_each(|&gauge| live[gauge] = true);
         // whitened by the gauges' noise alone: what the map misses is a state of each contact
-        let noise = NoiseParams { typical_force_n: 1e-9, ..estimator.noise.clone() };
+        // and what is no contact stays while frames add up: the filter has it
+        let mut noise = NoiseParams { typical_force_n: 1e-9, ..estimator.noise.clone() };
+        let loads = std::mem::take(&mut noise.loads);
         let model = Model::new(from.map.clone(), from.sites.clone(), &noise, &live)?;
         let (m, width) = (model.m, model.width);
         let empty = Hypothesis::new(&model);
@@ -89,17 +93,18 @@ impl Workspace {
             info: TrackInfo::default(),
         };
         let buffers = Buffers {
-            filter: Filter::new(&model, empty.stride),
+            filter: Filter::new(&model, empty.stride, &loads),
             locator: Locator::new(&model),
             metric: Metric::new(m, width),
             scan: SiteScan::new(&model),
             z: vec![0.0; width],
         };
-        Ok(Self {
+        let mut work = Self {
             settings: estimator.params,
             hypotheses: Hypotheses::new(&empty, params.n_hypotheses),
             gathered: Gathered::new(width),
             metric: Metric::new(m, width),
+            n_taken: loads.n_taken(&noise, &model.live),
             pair_birth: PairBirth::new(&model, &empty),
             before: empty,
             buffers,
@@ -112,7 +117,9 @@ impl Workspace {
             frame,
             params,
             model,
-        })
+        };
+        work.refresh();
+        Ok(work)
     }
 
     /// Takes the readings of a frame; whether other gauges are read than in the frame before.
@@ -158,7 +165,7 @@ impl Workspace {
         let n_dof = self.n_live.saturating_sub(best.n);
         if solved.chi2 > self.alarms[n_dof] && best.n > 0 {
             // places and map errors weigh more where forces have grown
-            self.buffers.filter.weigh(best, &solved.forces, &mut self.metric);
+            self.buffers.filter.weigh(best, &solved.forces, 1.0, &mut self.metric);
             solved = self.metric.solve(&self.z);
         }
         best.set_forces(&solved.forces, 1.0);
@@ -256,10 +263,15 @@ impl Workspace {
         spent
     }
 
+    /// Numbers of a frame that are left for contacts.
+    pub(super) fn n_free(&self) -> usize {
+        self.n_live.saturating_sub(self.n_taken)
+    }
+
     /// Contacts that may be held beside the gauges read: two channels more than forces for one that
     /// comes.
     pub(super) fn most_contacts(&self) -> usize {
-        self.params.max_contacts.min(self.n_live.saturating_sub(2))
+        self.params.max_contacts.min(self.n_free().saturating_sub(2))
     }
 
     /// Whether χ² is too large for a frame in which `n` unknowns were fitted.

@@ -11,6 +11,7 @@ mod conditioning;
 mod confidence_regions;
 mod examples;
 mod limb;
+mod other_loads;
 mod placement;
 mod recovery;
 mod response;
