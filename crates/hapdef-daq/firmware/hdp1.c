@@ -158,21 +158,34 @@ void hdp1_tx_init(struct hdp1_tx *tx, uint8_t *ring, size_t size)
     tx->size = size;
 }
 
-int hdp1_send(struct hdp1_tx *tx, const struct hdp1_header *header, const uint8_t *payload,
-              size_t payload_len)
+/* Queues bytes; 1 if all of them fit, else none is taken. */
+static int enqueue(struct hdp1_tx *tx, const uint8_t *bytes, size_t n)
 {
-    static uint8_t packet[HDP1_MAX_PACKET];
-    size_t n = hdp1_packet(header, payload, payload_len, packet, sizeof packet);
     size_t tail, first;
 
     if (n == 0 || n > tx->size - tx->used)
         return 0;
     tail = (tx->head + tx->used) % tx->size;
     first = n < tx->size - tail ? n : tx->size - tail;
-    memcpy(tx->ring + tail, packet, first);
-    memcpy(tx->ring, packet + first, n - first);
+    memcpy(tx->ring + tail, bytes, first);
+    memcpy(tx->ring, bytes + first, n - first);
     tx->used += n;
     return 1;
+}
+
+int hdp1_send(struct hdp1_tx *tx, const struct hdp1_header *header, const uint8_t *payload,
+              size_t payload_len)
+{
+    static uint8_t packet[HDP1_MAX_PACKET];
+
+    return enqueue(tx, packet, hdp1_packet(header, payload, payload_len, packet, sizeof packet));
+}
+
+void hdp1_send_end(struct hdp1_tx *tx)
+{
+    static const uint8_t end = 0;
+
+    enqueue(tx, &end, 1);
 }
 
 int hdp1_send_data(struct hdp1_tx *tx, struct hdp1_header *header, const uint8_t *payload,

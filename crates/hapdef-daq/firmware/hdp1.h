@@ -103,6 +103,9 @@ int hdp1_send(struct hdp1_tx *tx, const struct hdp1_header *header, const uint8_
 int hdp1_send_data(struct hdp1_tx *tx, struct hdp1_header *header, const uint8_t *payload,
                    size_t payload_len);
 
+/* Queues a 0x00 of its own, which ends whatever the host may have of a packet. */
+void hdp1_send_end(struct hdp1_tx *tx);
+
 /* The longest stretch of bytes that can be handed to the port now; take off what it took. */
 size_t hdp1_peek(const struct hdp1_tx *tx, const uint8_t **bytes);
 void hdp1_taken(struct hdp1_tx *tx, size_t n);
