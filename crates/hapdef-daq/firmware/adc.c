@@ -10,7 +10,7 @@ const char *adc_words(enum adc_result result)
     case ADC_BAD_REGISTER: return "a register does not keep its value";
     case ADC_BAD_CRC: return "frames are damaged: wires, SCLK too fast";
     case ADC_NOT_READY: return "no data: DRDY, clock of the chip";
-    case ADC_WAS_RESET: return "was reset: power";
+    case ADC_WAS_RESET: return "was reset, or is out of step: power, wires";
     default: return "works";
     }
 }

@@ -48,7 +48,7 @@ enum adc_result {
     ADC_BAD_REGISTER, /* a register does not hold what was written to it */
     ADC_BAD_CRC,      /* a frame was damaged; the scan in it is lost */
     ADC_NOT_READY,    /* data ready never comes, or never goes */
-    ADC_WAS_RESET     /* the chip has lost its settings */
+    ADC_WAS_RESET     /* the chip has lost its settings, or may be out of step */
 };
 
 /* A reading of all channels. */

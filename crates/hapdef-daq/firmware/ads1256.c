@@ -13,7 +13,7 @@ enum { ID = 3, BUFFER = 0x02, ORDER_CALIBRATION_BUFFER = 0x0e };
  * is 8, a reset pulse 4. */
 static const uint32_t T11_US = 1, T11_SYNC_US = 4, T6_US = 7, T10_US = 2, RESET_US = 10;
 /* A crystal's start, and the calibration behind a reset. */
-static const uint32_t START_US = 50000;
+static const uint32_t START_US = 50000, RISE_US = 500;
 static const uint32_t CHECK_US = 1000000;
 
 /* DRATE; table 13, the settling time of a conversion that was started anew; table 14, inputs per 1000
@@ -121,18 +121,26 @@ static int keeps_settings(struct ads1256 *chip)
     return memcmp(values, expected, N_REGISTERS) == 0;
 }
 
-/* Waits for DRDY, which is high, to become low. */
-static enum adc_result wait_ready(struct ads1256 *chip, uint32_t limit_us)
+static enum adc_result wait_for(struct ads1256 *chip, int level, uint32_t limit_us)
 {
     const struct adc_io *io = &chip->io;
     uint32_t from_us = io->now_us(io->context);
 
-    while (io->read(io->context, ADC_DRDY)) {
+    while (!io->read(io->context, ADC_DRDY) != !level) {
         if (io->now_us(io->context) - from_us > limit_us)
             return ADC_NOT_READY;
         io->delay_us(io->context, 10);
     }
     return ADC_OK;
+}
+
+/* Waits while the chip calibrates itself: DRDY rises, and falls when it is done. A line that is always
+ * low would seem to be done at once, and the chip must not be spoken to before. */
+static enum adc_result wait_calibrated(struct ads1256 *chip, uint32_t limit_us)
+{
+    enum adc_result result = wait_for(chip, 1, RISE_US);
+
+    return result == ADC_OK ? wait_for(chip, 0, limit_us) : result;
 }
 
 static enum adc_result identify(struct ads1256 *chip)
@@ -155,7 +163,10 @@ static enum adc_result reset(struct ads1256 *chip)
     io->delay_us(io->context, RESET_US);
     io->write(io->context, ADC_RESET, 1);
     io->delay_us(io->context, RESET_US);
-    ready = wait_ready(chip, START_US);
+    ready = wait_calibrated(chip, START_US);
+    /* Low for ever: it may be calibrating. High for ever: perhaps it is not there. */
+    if (ready != ADC_OK && !io->read(io->context, ADC_DRDY))
+        return ready;
     identity = identify(chip);
     return identity == ADC_OK ? ready : identity;
 }
@@ -168,7 +179,7 @@ static enum adc_result calibrate(struct ads1256 *chip)
     send(chip, &command, 1, T11_US);
     release_chip(chip);
     /* Table 21 has 3.1 settling times at 2.5 a second; at high rates the start counts as well. */
-    return wait_ready(chip, 4u * settle_us(chip) + 10000u);
+    return wait_calibrated(chip, 4u * settle_us(chip) + 10000u);
 }
 
 /* Starts an input's conversion, then reads the one before into code (figure 19): in this order the

@@ -9,7 +9,7 @@ enum { N_BITS = 24 };
 static const uint32_t HALF_US = 1, MAX_HIGH_US = 50, OFF_US = 100;
 /* Settling behind a reset or another input: 400 ms at 10 Hz, 50 ms at 80 Hz. */
 static const uint8_t N_UNSETTLED = 4;
-static const uint32_t MAX_PERIODS = 6;
+static const uint32_t MAX_PERIODS = 6, REVIVE_US = 2000000;
 
 float hx711_scale(const struct hx711_settings *settings, float gauge_factor)
 {
@@ -76,71 +76,58 @@ static int read_codes(struct hx711 *chips, uint32_t code[ADC_MAX_CHANNELS])
 enum adc_result hx711_begin(struct hx711 *chips, const struct adc_io *io,
                             const struct hx711_settings *settings)
 {
-    struct hx711 fresh = {*io, *settings, 0, 0, {0}, 0};
+    struct hx711 fresh = {*io, *settings, 0, 0, 0, 0, N_UNSETTLED, 0};
 
     if (settings->n_chips < 1 || settings->n_chips > ADC_MAX_CHANNELS ||
         settings->input < HX711_A_128 || settings->input > HX711_A_64 ||
         (settings->rate_hz != 10 && settings->rate_hz != 80))
         return ADC_BAD_SETTINGS;
     *chips = fresh;
-    memset(chips->n_unsettled, N_UNSETTLED, sizeof chips->n_unsettled);
     io->write(io->context, ADC_SCK, 1);
     io->delay_us(io->context, OFF_US);
     io->write(io->context, ADC_SCK, 0);
-    chips->read_us = io->now_us(io->context);
+    chips->begun_us = chips->read_us = io->now_us(io->context);
     return ADC_OK;
 }
 
-/* Notes who answered: ready had data, and the line rose behind the pulses, as it has to. Returns a bit
- * a chip whose code counts. */
-static uint32_t settled(struct hx711 *chips, uint32_t ready)
+/* Notes who did not answer: ready had data, and the line rose behind the pulses, as it has to. */
+static void note_dead(struct hx711 *chips, uint32_t ready)
 {
-    uint32_t answered = ready & data(chips), good = 0;
-    unsigned i;
-
-    chips->dead = all(chips) & ~answered;
-    for (i = 0; i < chips->settings.n_chips; i++) {
-        if (!(answered >> i & 1u))
-            chips->n_unsettled[i] = N_UNSETTLED;
-        else if (chips->n_unsettled[i] > 0)
-            chips->n_unsettled[i]--;
-        else
-            good |= (uint32_t)1 << i;
-    }
-    return good;
+    chips->dead |= all(chips) & ~(ready & data(chips));
 }
 
-static void put(const struct hx711 *chips, const uint32_t code[ADC_MAX_CHANNELS], uint32_t good,
+static void put(const struct hx711 *chips, const uint32_t code[ADC_MAX_CHANNELS],
                 struct adc_scan *scan)
 {
     unsigned i;
 
     memset(scan, 0, sizeof *scan);
-    scan->faulty = all(chips) & ~good;
+    scan->faulty = chips->dead;
     for (i = 0; i < chips->settings.n_chips; i++) {
         uint8_t bytes[3] = {(uint8_t)(code[i] >> 16), (uint8_t)(code[i] >> 8), (uint8_t)code[i]};
-        adc_put(scan, i, good >> i & 1u ? adc_code(bytes) : ADC_LOWEST);
+        adc_put(scan, i, chips->dead >> i & 1u ? ADC_LOWEST : adc_code(bytes));
     }
 }
 
 static enum adc_result read_chips(struct hx711 *chips, uint32_t ready, uint32_t us,
                                   struct adc_scan *scan)
 {
-    uint32_t code[ADC_MAX_CHANNELS], good;
+    uint32_t code[ADC_MAX_CHANNELS];
 
     if (!read_codes(chips, code))
         return ADC_WAS_RESET;
-    good = settled(chips, ready);
+    note_dead(chips, ready);
+    if (chips->dead == all(chips))
+        return ADC_NOT_READY;
     if (us - chips->read_us >= 2u * period_us(chips))
         chips->is_late = 1;
     chips->read_us = us;
-    if (chips->dead == all(chips))
-        return ADC_NOT_READY;
-    if (good == 0) {
+    if (chips->n_unsettled > 0) {
+        chips->n_unsettled--;
         chips->is_late = 0;
         return ADC_PENDING;
     }
-    put(chips, code, good, scan);
+    put(chips, code, scan);
     scan->t_us = us;
     scan->is_late = chips->is_late;
     chips->is_late = 0;
@@ -150,15 +137,18 @@ static enum adc_result read_chips(struct hx711 *chips, uint32_t ready, uint32_t 
 enum adc_result hx711_poll(struct hx711 *chips, struct adc_scan *scan)
 {
     uint32_t us = chips->io.now_us(chips->io.context);
-    uint32_t ready = all(chips) & ~data(chips);
+    uint32_t ready = all(chips) & ~data(chips), alive = all(chips) & ~chips->dead;
     int is_over = us - chips->read_us > MAX_PERIODS * period_us(chips);
 
-    if (is_over && ready == 0)
+    if (ready & chips->silent && us - chips->begun_us >= REVIVE_US)
+        return ADC_WAS_RESET;
+    chips->silent |= chips->dead & ~ready;
+    if (is_over && (ready & alive) == 0)
         return ADC_NOT_READY;
-    /* The slowest chip counts; of those that are dead none. */
-    if (!is_over && (ready == 0 || ~(ready | chips->dead) & all(chips)))
+    /* The slowest chip counts. */
+    if (!is_over && (ready & alive) != alive)
         return ADC_PENDING;
-    return read_chips(chips, ready, us, scan);
+    return read_chips(chips, ready & alive, us, scan);
 }
 
 static enum adc_result begin(void *chips)

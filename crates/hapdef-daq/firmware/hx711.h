@@ -25,10 +25,10 @@ struct hx711_settings {
 struct hx711 {
     struct adc_io io;
     struct hx711_settings settings;
-    uint32_t read_us; /* the last reading */
-    uint32_t dead;    /* a bit a chip: it did not answer then */
-    uint8_t n_unsettled[ADC_MAX_CHANNELS]; /* conversions still to be left out */
-    uint8_t is_late;
+    uint32_t begun_us, read_us; /* begin, and the last reading */
+    uint32_t dead;              /* a bit a chip: it did not answer once since begin */
+    uint32_t silent;            /* a bit a chip: one of those, whose line was high since */
+    uint8_t n_unsettled, is_late;
 };
 
 /* Microstrain per count of a quarter bridge on the chip's own supply. */
@@ -38,7 +38,8 @@ enum adc_result hx711_begin(struct hx711 *chips, const struct adc_io *io,
                             const struct hx711_settings *settings);
 
 /* A chip that does not answer costs one wait of six conversions; then the others go on, and its
- * channel is faulty until it answers again. */
+ * channel is faulty. When it answers again, but not within 2 s of begin, the result is ADC_WAS_RESET:
+ * nobody knows what it made of the pulses that it heard, so all have to begin anew. */
 enum adc_result hx711_poll(struct hx711 *chips, struct adc_scan *scan);
 
 /* The chips for a board; io and settings in it have to be set. */

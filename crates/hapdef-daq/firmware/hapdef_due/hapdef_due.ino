@@ -34,17 +34,17 @@ static size_t room(void *)
     return UOTGHS->UOTGHS_DEVEPTISR[CDC_TX] & UOTGHS_DEVEPTISR_TXINI ? 512 : 0;
 }
 
-static size_t write(void *, const uint8_t *bytes, size_t n)
+static size_t write_port(void *, const uint8_t *bytes, size_t n)
 {
     return SerialUSB.write(bytes, n);
 }
 
-static int read(void *)
+static int read_port(void *)
 {
     return SerialUSB.available() ? SerialUSB.read() : -1;
 }
 
-static enum adc_result begin(void *)
+static enum adc_result begin_scans(void *)
 {
     next_us = micros();
     return ADC_OK;
@@ -62,7 +62,7 @@ static void convert(struct adc_scan *scan)
 }
 
 /* A scan every PERIOD_US. */
-static enum adc_result poll(void *, struct adc_scan *scan)
+static enum adc_result poll_scan(void *, struct adc_scan *scan)
 {
     uint32_t us = micros();
 
@@ -105,8 +105,8 @@ static uint32_t random_number()
 void setup()
 {
     struct hdp1_hello hello = {HDP1_U16, 1, 1000000, {0}, 0, 1, N, channels};
-    struct board_port port = {0, now_us, is_open, room, write, read};
-    struct adc adc = {"due", 0, begin, poll};
+    struct board_port port = {0, now_us, is_open, room, write_port, read_port};
+    struct adc adc = {"due", 0, begin_scans, poll_scan};
 
     SerialUSB.begin(115200);
     analogReadResolution(12);

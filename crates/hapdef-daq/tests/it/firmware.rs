@@ -1,59 +1,16 @@
 //! The firmware's C core, compiled for the host and held against the decoder and the golden vectors.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command as Process, Stdio};
-
 use hapdef_daq::hdp1::{Command, Decoder, Encoder, Event, Hello, SampleFormat};
+
+use crate::support::host_c::{CPP, Program};
 
 const GOLDEN_DATA: &str = "070110a50a0201010440420f010101010101020103ffff020104ffff7f03\
                            8064049cff0705c313abe300";
 
 /// What the compiled core prints when the host says `input`; `None` without a C compiler.
 fn run(input: &[u8]) -> Option<String> {
-    let folder = tempfile::tempdir().unwrap();
-    let core = object("cc", &["-std=c99", "-x", "c"], "hdp1.c", folder.path())?;
-    let main = object("cc", &["-std=c99", "-x", "c"], "host/golden.c", folder.path())?;
-    let program = link("cc", &[core, main], folder.path())?;
-    Some(String::from_utf8(output(&program, input)).unwrap())
-}
-
-/// Compiles a file of the firmware.
-fn object(compiler: &str, language: &[&str], file: &str, folder: &Path) -> Option<PathBuf> {
-    let firmware = Path::new(env!("CARGO_MANIFEST_DIR")).join("firmware");
-    let to = folder.join(file.replace('/', "_")).with_extension("o");
-    let mut command = Process::new(compiler);
-    command.args(["-c", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-O2"]);
-    command.arg("-I").arg(&firmware).arg("-I").arg(firmware.join("host/due"));
-    command.args(language).arg(firmware.join(file)).arg("-o").arg(&to);
-    compile(command).map(|()| to)
-}
-
-fn link(compiler: &str, objects: &[PathBuf], folder: &Path) -> Option<PathBuf> {
-    let to = folder.join("program");
-    let mut command = Process::new(compiler);
-    command.args(objects).arg("-o").arg(&to);
-    compile(command).map(|()| to)
-}
-
-#[expect(clippy::print_stdout, reason = "a skipped test says why")]
-fn compile(mut command: Process) -> Option<()> {
-    let Ok(compiled) = command.output() else {
-        println!("skipped: there is no {}", command.get_program().display());
-        return None;
-    };
-    let words = String::from_utf8_lossy(&compiled.stderr);
-    assert!(compiled.status.success(), "{words}");
-    Some(())
-}
-
-fn output(program: &Path, input: &[u8]) -> Vec<u8> {
-    let mut child =
-        Process::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    child.stdin.take().unwrap().write_all(input).unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert!(output.status.success());
-    output.stdout
+    let program = Program::of("golden", &["hdp1.c", "host/golden.c"])?;
+    Some(String::from_utf8(program.run(&[], &[], input).stdout).unwrap())
 }
 
 fn bytes_of(hex: &str) -> Vec<u8> {
@@ -138,16 +95,13 @@ fn a_full_queue_drops_whole_packets_and_counts() {
 /// What the sketch sends in 5 s, with a fake of the board, when the host says `commands`; a second of
 /// them the host is away. `None` without a compiler.
 fn sketch(commands: &[Command]) -> Option<Vec<u8>> {
-    let folder = tempfile::tempdir().unwrap();
-    let core = object("cc", &["-std=c99", "-x", "c"], "hdp1.c", folder.path())?;
-    let language = ["-std=c++11", "-x", "c++"];
-    let main = object("c++", &language, "host/due/main.cpp", folder.path())?;
-    let program = link("c++", &[core, main], folder.path())?;
+    let program =
+        Program::linked(&CPP, "due", &["hdp1.c", "adc.c", "board.c", "host/due/main.cpp"])?;
     let mut asked = vec![0];
     for &command in commands {
         Encoder::new().command(command, &mut asked);
     }
-    Some(output(&program, &asked))
+    Some(program.run(&[], &[], &asked).stdout)
 }
 
 #[test]

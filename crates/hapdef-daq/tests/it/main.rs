@@ -7,6 +7,7 @@
 )]
 
 mod clock_laws;
+mod converters;
 mod examples;
 mod firmware;
 mod hdp1;
