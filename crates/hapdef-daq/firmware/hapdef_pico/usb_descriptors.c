@@ -47,7 +47,7 @@ static void text_of(uint8_t index, char *text, size_t capacity)
     if (index == SERIAL)
         pico_get_unique_board_id_string(text, (uint)capacity);
     else
-        strcpy(text, index == MAKER ? "hapdef" : "hapdef Pico");
+        strcpy(text, index == MAKER ? "hapdef" : "Pico");
 }
 
 const uint16_t *tud_descriptor_string_cb(uint8_t index, uint16_t language)

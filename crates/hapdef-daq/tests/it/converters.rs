@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use hapdef_daq::hdp1::{Command, Decoder, Encoder, Event, FrameFlags, Hello, Status};
 
-use crate::support::host_c::{Program, Said};
+use crate::host_c::{Program, Said};
 
 const FAKES: [&str; 4] =
     ["host/fake/fake.c", "host/fake/ads131m08.c", "host/fake/ads1256.c", "host/fake/hx711.c"];

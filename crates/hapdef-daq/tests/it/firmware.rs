@@ -2,7 +2,7 @@
 
 use hapdef_daq::hdp1::{Command, Decoder, Encoder, Event, Hello, SampleFormat};
 
-use crate::support::host_c::{CPP, Program};
+use crate::host_c::{CPP, Program};
 
 const GOLDEN_DATA: &str = "070110a50a0201010440420f010101010101020103ffff020104ffff7f03\
                            8064049cff0705c313abe300";

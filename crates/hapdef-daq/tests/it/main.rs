@@ -13,6 +13,7 @@ mod firmware;
 mod hdp1;
 mod hdp1_faults;
 mod hdp1_laws;
+mod host_c;
 mod numbers;
 mod other_device;
 mod player;

@@ -2,7 +2,6 @@
 
 #![allow(dead_code, reason = "each test uses its part")]
 
-pub mod host_c;
 pub mod recorded;
 
 use std::os::fd::OwnedFd;
