@@ -7,7 +7,7 @@
 #ifndef ADS1256_H
 #define ADS1256_H
 
-#include "adc.h"
+#include "converter.h"
 
 #ifdef __cplusplus
 extern "C" {

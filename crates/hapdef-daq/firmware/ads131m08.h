@@ -6,7 +6,7 @@
 #ifndef ADS131M08_H
 #define ADS131M08_H
 
-#include "adc.h"
+#include "converter.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -6,7 +6,7 @@
 #ifndef BOARD_H
 #define BOARD_H
 
-#include "adc.h"
+#include "converter.h"
 #include "hdp1.h"
 
 #ifdef __cplusplus

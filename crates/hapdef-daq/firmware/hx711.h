@@ -7,7 +7,7 @@
 #ifndef HX711_H
 #define HX711_H
 
-#include "adc.h"
+#include "converter.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,6 +1,6 @@
 /* Ten quarter bridges on an Arduino Due at 1 kHz, as HDP1 over the native USB port.
  *
- * Copy hdp1, board and adc (.h and .c of each) beside this file, open it in the Arduino IDE (board:
+ * Copy hdp1, board and converter (.h and .c of each) beside this file, open it in the Arduino IDE (board:
  * Arduino Due, native USB port). docs/board.md has the wiring. Set GAIN to that of your amplifiers.
  */
 #include "board.h"

@@ -15,7 +15,7 @@ const CHIPS: [&str; 3] = ["ads131m08", "ads1256", "hx711"];
 /// The drivers and their fakes alone; `None` without a compiler.
 fn bench() -> Option<&'static Program> {
     static BENCH: OnceLock<Option<Program>> = OnceLock::new();
-    let drivers = ["host/bench.c", "adc.c", "ads131m08.c", "ads1256.c", "hx711.c"];
+    let drivers = ["host/bench.c", "converter.c", "ads131m08.c", "ads1256.c", "hx711.c"];
     BENCH.get_or_init(|| Program::of("bench", &[&drivers[..], &FAKES].concat())).as_ref()
 }
 
@@ -23,7 +23,7 @@ fn bench() -> Option<&'static Program> {
 fn pico(chip: &str) -> Option<&'static Program> {
     static PICOS: [OnceLock<Option<Program>>; 3] = [const { OnceLock::new() }; 3];
     let (driver, settings) = (format!("{chip}.c"), format!("hapdef_pico/with_{chip}.c"));
-    let board = ["hapdef_pico/main.c", "host/pico/sdk.c", "hdp1.c", "adc.c", "board.c"];
+    let board = ["hapdef_pico/main.c", "host/pico/sdk.c", "hdp1.c", "converter.c", "board.c"];
     let files = [&board[..], &FAKES, &[&driver, &settings]].concat();
     let place = CHIPS.iter().position(|known| *known == chip).unwrap();
     PICOS[place].get_or_init(|| Program::of(&format!("pico_{chip}"), &files)).as_ref()

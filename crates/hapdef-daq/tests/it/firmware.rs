@@ -96,7 +96,7 @@ fn a_full_queue_drops_whole_packets_and_counts() {
 /// them the host is away. `None` without a compiler.
 fn sketch(commands: &[Command]) -> Option<Vec<u8>> {
     let program =
-        Program::linked(&CPP, "due", &["hdp1.c", "adc.c", "board.c", "host/due/main.cpp"])?;
+        Program::linked(&CPP, "due", &["hdp1.c", "converter.c", "board.c", "host/due/main.cpp"])?;
     let mut asked = vec![0];
     for &command in commands {
         Encoder::new().command(command, &mut asked);

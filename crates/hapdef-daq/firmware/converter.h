@@ -3,8 +3,8 @@
  * Drivers are C99 without heap, library or registers of a controller. Nothing in them waits longer
  * than its header says: a chip that is dead ends in one of the errors below.
  */
-#ifndef ADC_H
-#define ADC_H
+#ifndef CONVERTER_H
+#define CONVERTER_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
-/* What the drivers share; see adc.h. */
-#include "adc.h"
+/* What the drivers share; see converter.h. */
+#include "converter.h"
 
 const char *adc_words(enum adc_result result)
 {
