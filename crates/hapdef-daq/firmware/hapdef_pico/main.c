@@ -56,11 +56,14 @@ static void exchange(void *context, const uint8_t *out, uint8_t *in, size_t n)
     spi_write_read_blocking(spi0, out, in, n);
 }
 
-/* DTR. */
+/* DTR. What TinyUSB still holds when a host goes is old for the next one. */
 static int is_open(void *context)
 {
     (void)context;
-    return tud_cdc_connected();
+    if (tud_cdc_connected())
+        return 1;
+    tud_cdc_write_clear();
+    return 0;
 }
 
 static size_t room(void *context)

@@ -151,6 +151,12 @@ uint32_t tud_cdc_write(const void *bytes, uint32_t n)
 
 uint32_t tud_cdc_write_flush(void) { return 0; }
 
+bool tud_cdc_write_clear(void)
+{
+    fifo_len = 0;
+    return true;
+}
+
 uint32_t tud_cdc_available(void)
 {
     int byte = getchar();

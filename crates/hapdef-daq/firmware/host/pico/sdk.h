@@ -40,6 +40,7 @@ bool tud_cdc_connected(void);
 uint32_t tud_cdc_write_available(void);
 uint32_t tud_cdc_write(const void *bytes, uint32_t n);
 uint32_t tud_cdc_write_flush(void);
+bool tud_cdc_write_clear(void);
 uint32_t tud_cdc_available(void);
 int32_t tud_cdc_read_char(void);
 
