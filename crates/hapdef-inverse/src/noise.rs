@@ -1,5 +1,6 @@
 //! What readings and the response map are worth: covariances.
 
+use crate::dense::{cholesky, inverse};
 use crate::error::{InverseError, check_finite, check_length, check_not_negative, check_positive};
 use crate::other_loads::OtherLoads;
 
@@ -106,6 +107,20 @@ impl NoiseParams {
         }
         self.loads.add_to(live, self.gauge_sd.len(), &mut covariance);
         covariance
+    }
+
+    /// How many numbers of a frame of the gauges `live` the loads take: m − tr (N S⁻¹), rounded, N the noise and S
+    /// the covariance with them.
+    pub(crate) fn n_taken(&self, live: &[usize]) -> usize {
+        let m = live.len();
+        let (mut l, mut inverted) = (self.covariance(live), vec![0.0; m * m]);
+        if self.loads.is_empty() || !cholesky(&mut l, m, 0.0) {
+            return 0;
+        }
+        inverse(&l, m, &mut inverted);
+        let each = live.iter().enumerate();
+        let left: f64 = each.map(|(g, gauge)| self.variance(*gauge) * inverted[g * m + g]).sum();
+        (m as f64 - left).round() as usize
     }
 }
 

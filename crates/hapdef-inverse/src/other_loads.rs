@@ -1,8 +1,12 @@
 //! Loads on the limb that are no contacts: what the next joint passes on, weight, motion, temperature.
 
-use crate::dense::{cholesky, inverse};
-use crate::error::{InverseError, check_finite, check_length, check_not_negative};
-use crate::noise::NoiseParams;
+use nalgebra::DMatrix;
+
+use crate::error::{InverseError, check_finite, check_length, check_not_negative, check_positive};
+
+/// A load counts where it moves the gauges so many times as strongly, squared, as the largest component of noise alone:
+/// that one passes the edge by a few per cent in any finite number of frames.
+const LEAST_LOAD: f64 = 1.5;
 
 /// Loads that are no contacts, independent of each other: each adds an amount to the readings that is
 /// only known up to a standard deviation.
@@ -20,6 +24,41 @@ pub struct OtherLoads {
 }
 
 impl OtherLoads {
+    /// The loads that show in frames in which nothing touches, `frames` `[n_frames, n_gauges]`, tared: the
+    /// directions in which they move more than noise of standard deviation `gauge_sd` `[n_gauges]` does (the
+    /// principal components of the whitened frames beyond the largest of noise alone, Marchenko and Pastur 1967), the
+    /// strongest first.
+    /// Of amounts of standard deviation `margin` in units of those seen, since later ones may be larger.
+    ///
+    /// Needs no model of the limb, and has no error of one: on a limb whose map is calibrated, computed responses
+    /// are off by per cents, which of hundreds of microstrains look like contacts.
+    ///
+    /// # Errors
+    /// [`InverseError::Length`] for fewer frames than gauges; [`InverseError`] for values that can't be used.
+    pub fn learned(frames: &[f64], gauge_sd: &[f64], margin: f64) -> Result<Self, InverseError> {
+        let m = gauge_sd.len();
+        let n = frames.len() / m.max(1);
+        check_length("the untouched frames", n.max(m) * m, frames.len())?;
+        check_finite("the untouched frames", frames)?;
+        gauge_sd.iter().try_for_each(|sd| check_positive("gauge_sd", *sd))?;
+        check_positive("margin", margin)?;
+        let whitened = DMatrix::from_fn(m, n, |g, i| frames[i * m + g] / gauge_sd[g]);
+        let seen = (&whitened * whitened.transpose() / n as f64).symmetric_eigen();
+        let of_noise = (1.0 + (m as f64 / n as f64).sqrt()).powi(2);
+        let mut order: Vec<usize> = (0..m).collect();
+        order.sort_by(|a, b| seen.eigenvalues[*b].total_cmp(&seen.eigenvalues[*a]));
+        let mut loads = Self::default();
+        for k in order {
+            let variance = seen.eigenvalues[k];
+            if variance > LEAST_LOAD * of_noise {
+                let sd = (variance - 1.0).sqrt();
+                loads.response.extend((0..m).map(|g| seen.eigenvectors[(g, k)] * sd * gauge_sd[g]));
+                loads.sd.push(margin);
+            }
+        }
+        Ok(loads)
+    }
+
     /// How many there are.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -60,23 +99,6 @@ impl OtherLoads {
                 into.iter_mut().zip(live).for_each(|(c, &h)| *c += scale * row[h]);
             }
         }
-    }
-
-    /// How many numbers of a frame the loads take: m − tr (R (R + Σ s² b bᵀ)⁻¹), rounded, R the noise of
-    /// the gauges `live`.
-    pub(crate) fn n_taken(&self, noise: &NoiseParams, live: &[usize]) -> usize {
-        let m = live.len();
-        let mut l = vec![0.0; m * m];
-        self.add_to(live, noise.gauge_sd.len(), &mut l);
-        let variance: Vec<f64> = live.iter().map(|&gauge| noise.variance(gauge)).collect();
-        (0..m).for_each(|g| l[g * m + g] += variance[g]);
-        let mut inverted = vec![0.0; m * m];
-        if self.is_empty() || !cholesky(&mut l, m, 0.0) {
-            return 0;
-        }
-        inverse(&l, m, &mut inverted);
-        let left: f64 = (0..m).map(|g| variance[g] * inverted[g * m + g]).sum();
-        (m as f64 - left).round() as usize
     }
 
     fn rows(&self, n_gauges: usize) -> impl Iterator<Item = &[f64]> {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use hapdef::touch::{LimitsReport, LimitsRequest, limits};
-use hapdef_inverse::{LimitParams, ResponseMap};
+use hapdef_inverse::{LimitParams, OtherLoads, ResponseMap};
 use nalgebra::Point3;
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
@@ -84,7 +84,9 @@ impl PyResponse {
         };
         let map = ResponseMap::clone(&self.map);
         let stop = Arc::new(AtomicBool::new(false));
-        let report = interruptible(py, threads.max(1), &stop, move || limits(map, &request))?;
+        let report = interruptible(py, threads.max(1), &stop, move || {
+            limits(map, OtherLoads::default(), &request)
+        })?;
         Ok(PyBounds { report })
     }
 }

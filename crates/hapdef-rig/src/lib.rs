@@ -25,7 +25,7 @@ mod warp;
 pub use electronics::Electronics;
 pub use error::RigError;
 pub use field::SmoothField;
-pub use nominal_limb::NominalLimb;
+pub use nominal_limb::{NominalLimb, NominalLoads};
 pub use params::{ElectronicsParams, GainParams, MisplacementParams, RigParams, VariationParams};
 pub use prober::{DoublePressParams, SinglePressParams, double_presses, single_presses};
 pub use real_limb::{RealLimb, RealLimbInfo};

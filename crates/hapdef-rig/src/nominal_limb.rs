@@ -1,7 +1,8 @@
 //! The limb before it is perturbed.
 
 use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh};
-use hapdef_sim::{GaugeParams, GaugeSite, IsotropicMaterial};
+use hapdef_sim::{GaugeParams, GaugeSite, IsotropicMaterial, LimbLoad};
+use nalgebra::Point3;
 
 /// The limb as it is drawn, before anything is perturbed.
 pub struct NominalLimb<'a> {
@@ -19,4 +20,19 @@ pub struct NominalLimb<'a> {
     pub skin: &'a SkinRegion,
     /// Radius of the probing tip, m.
     pub tip_radius_m: f64,
+    /// Loads on the whole limb that it answers to, too.
+    pub loads: NominalLoads<'a>,
+}
+
+/// Loads on the whole limb that are no contacts.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NominalLoads<'a> {
+    /// Which ones.
+    pub loads: &'a [LimbLoad],
+    /// Nodes that the next joint is fixed to.
+    pub flange: &'a [FeNodeId],
+    /// Where forces on them act, m.
+    pub flange_point_m: Point3<f64>,
+    /// Thermal expansion, 1/K.
+    pub expansion_per_k: f64,
 }

@@ -5,7 +5,10 @@ use std::time::Instant;
 use hapdef_mesh::{
     ClosestPoint, FeNodeId, GaugeId, MeshError, SkinRegion, Tet10Mesh, refine_unfolded,
 };
-use hapdef_sim::{ElasticModel, ElasticParams, FactorInfo, GaugeResponse, PressedSkin, SolveInfo};
+use hapdef_sim::{
+    ElasticModel, ElasticParams, FactorInfo, GaugeResponse, LoadedLimb, NodalLoad, PressedSkin,
+    SolveInfo,
+};
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -13,7 +16,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::error::RigError;
 use crate::field::SmoothField;
 use crate::misplace::misplaced_gauges;
-use crate::nominal_limb::NominalLimb;
+use crate::nominal_limb::{NominalLimb, NominalLoads};
 use crate::params::{GainParams, RigParams};
 use crate::warp::vary_thickness;
 
@@ -41,6 +44,7 @@ pub struct RealLimbInfo {
 /// The simulated "real" limb: answers with strain where the hardware would.
 pub struct RealLimb {
     skin: PressedSkin,
+    loads: Vec<NodalLoad>,
     response: GaugeResponse,
     gains: Vec<f64>,
     tip_radius_m: f64,
@@ -65,7 +69,8 @@ impl RealLimb {
         n_threads: usize,
     ) -> Result<Self, RigError> {
         let start = Instant::now();
-        let FinerLimb { mesh, clamped, skin, n_straightened } = finer(nominal, params.refinements)?;
+        let FinerLimb { mesh, clamped, flange, skin, n_straightened } =
+            finer(nominal, params.refinements)?;
         let varied = vary_thickness(&mesh, &skin, &params.thickness, params.max_wall_m)?;
         let mesh = varied.mesh;
         let gauges = misplaced_gauges(&mesh, nominal, &params.misplacement)?;
@@ -76,6 +81,12 @@ impl RealLimb {
         };
         let elastic_model = ElasticModel::build(&mesh, &elastic)?;
         let (response, solve) = elastic_model.response(&gauges)?;
+        let NominalLoads { loads, flange_point_m, expansion_per_k, .. } = nominal.loads;
+        let material = nominal.material;
+        let loaded =
+            LoadedLimb { mesh: &mesh, material, expansion_per_k, flange: &flange, flange_point_m };
+        let loads: Vec<NodalLoad> =
+            loads.iter().map(|load| load.on(&loaded)).collect::<Result<_, _>>()?;
         let info = RealLimbInfo {
             n_fe_nodes: mesh.nodes().len(),
             n_elements: mesh.elements().len(),
@@ -93,6 +104,7 @@ impl RealLimb {
         Ok(Self {
             projection: projection.transpose()?,
             skin: PressedSkin::new(&mesh, &skin)?,
+            loads,
             response,
             gains,
             tip_radius_m: nominal.tip_radius_m,
@@ -124,12 +136,18 @@ impl RealLimb {
         tip_radius_m: f64,
     ) -> Result<Vec<f64>, RigError> {
         let position = self.on_skin(position)?;
-        let load = self.skin.load(&position, tip_radius_m, direction)?;
-        Ok((0..self.gains.len())
-            .map(|gauge| {
-                self.gains[gauge] * self.response.reading(GaugeId::from_index(gauge), &load) * 1e6
-            })
-            .collect())
+        Ok(self.readings_ue(&self.skin.load(&position, tip_radius_m, direction)?))
+    }
+
+    /// Gauge strains for one unit of each load on the whole limb, gains included `[n_loads, n_gauges]`, µε.
+    #[must_use]
+    pub fn load_responses_ue(&self) -> Vec<f64> {
+        self.loads.iter().flat_map(|load| self.readings_ue(load)).collect()
+    }
+
+    fn readings_ue(&self, load: &NodalLoad) -> Vec<f64> {
+        let strain = |gauge| self.response.reading(GaugeId::from_index(gauge), load);
+        self.gains.iter().enumerate().map(|(gauge, gain)| gain * strain(gauge) * 1e6).collect()
     }
 
     /// Gauge strains per newton along x, y and z under the tip at `position`, gains included,
@@ -176,6 +194,7 @@ impl RealLimb {
 struct FinerLimb {
     mesh: Tet10Mesh,
     clamped: Vec<FeNodeId>,
+    flange: Vec<FeNodeId>,
     skin: SkinRegion,
     n_straightened: usize,
 }
@@ -184,6 +203,7 @@ fn finer(nominal: &NominalLimb<'_>, refinements: u32) -> Result<FinerLimb, MeshE
     let mut finer = FinerLimb {
         mesh: nominal.mesh.clone(),
         clamped: nominal.clamped.to_vec(),
+        flange: nominal.loads.flange.to_vec(),
         skin: nominal.skin.clone(),
         n_straightened: 0,
     };
@@ -191,6 +211,7 @@ fn finer(nominal: &NominalLimb<'_>, refinements: u32) -> Result<FinerLimb, MeshE
         let refined = refine_unfolded(&finer.mesh)?;
         finer = FinerLimb {
             clamped: refined.node_set(&finer.clamped),
+            flange: refined.node_set(&finer.flange),
             skin: SkinRegion::new(&refined.mesh, refined.faces(&finer.skin.faces))?,
             n_straightened: finer.n_straightened + refined.n_straightened,
             mesh: refined.mesh,

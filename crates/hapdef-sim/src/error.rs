@@ -33,6 +33,11 @@ pub enum SimError {
          are not"
     )]
     RigidBodyTooSmall { rigid_body: usize, n_nodes: usize },
+    #[error(
+        "a flange of {n_nodes} nodes takes no wrench: it needs three that are not on a line; name a \
+         larger face or a finer mesh"
+    )]
+    Flange { n_nodes: usize },
     #[error("{what} is about a rotation, which nodes of a solid do not have; use a pair of forces")]
     NoRotations { what: &'static str },
     #[error(

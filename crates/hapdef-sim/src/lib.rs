@@ -72,7 +72,7 @@ pub use iterative::{
     ChoiceReason, IterativeParams, MultigridInfo, MultigridParams, SolverChoice, SolverInfo,
     SolverKind,
 };
-pub use loads::{NodalLoad, PressedSkin};
+pub use loads::{LimbLoad, LoadedLimb, NodalLoad, PressedSkin};
 pub use model::{
     Compliance, ComplianceParams, ElasticModel, ElasticParams, FactorInfo, Motion, Residuals,
     SolveInfo, SolveParams, StiffnessMatrix,

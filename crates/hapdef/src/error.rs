@@ -65,6 +65,18 @@ pub enum HapdefError {
     #[error("mount: {what}; {advice}")]
     NoMount { what: String, advice: String },
     #[error(
+        "loads.flange.at: {what}; name the face that the next joint is fixed to, by a node set, a box, \
+         a plane or an end"
+    )]
+    NoFlange { what: String },
+    #[error("{path}: loads that were learned: {what}; make them again with hapdef loads")]
+    LearnedLoads { path: PathBuf, what: String },
+    #[error(
+        "loads.temperature_sd_k: a limb that is solved as a shell takes no thermal load; set \
+         geometry.solver to solid, or learn the loads from a recording"
+    )]
+    ShellTemperature,
+    #[error(
         "mount: it holds none of the {n_elements} elements of the body centred at ({:.1}, {:.1}, \
          {:.1}) mm, {:.1} x {:.1} x {:.1} mm in size, one of {n_bodies} that share no node: join the \
          bodies in the mesh, leave this one out, or let the mount reach it",

@@ -5,12 +5,16 @@ use std::path::Path;
 use hapdef_mesh::{
     BoundarySurface, DeckMaterial, FeNodeId, GaugePatch, SkinRegion, Tet10Mesh, gauge_patch,
 };
-use hapdef_sim::{GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad, PressedSkin};
+use hapdef_sim::{
+    GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, LoadedLimb, NodalLoad, PressedSkin,
+};
 use nalgebra::{Point3, Unit, Vector3};
 use rayon::prelude::*;
 
 use crate::error::HapdefError;
-use crate::scene::{Axis, GaugeEntry, GaugeSpec, LoadDirection, MaterialSpec, Scene, Shape};
+use crate::scene::{
+    Axis, GaugeEntry, GaugeSpec, LoadDirection, LoadsSpec, MaterialSpec, Scene, Shape,
+};
 use crate::skin_wall::SkinWall;
 use crate::solid::Solid;
 use crate::wall_shell::WallShell;
@@ -34,6 +38,8 @@ pub struct Limb {
     pub shell: Option<WallShell>,
     /// Nodes held fast.
     pub clamped: Vec<FeNodeId>,
+    /// Nodes that the next joint is fixed to; none without one.
+    pub flange: Vec<FeNodeId>,
     /// Its long axis.
     pub axis: Axis,
     /// Depth below the skin down to which material counts as wall, m.
@@ -69,7 +75,7 @@ impl Limb {
     /// # Errors
     /// As [`Self::load`].
     pub(crate) fn of(scene: &Scene, scene_dir: &Path, solid: Solid) -> Result<Self, HapdefError> {
-        let Solid { mesh, boundary, skin, outside, clamped, axis, notes, .. } = solid;
+        let Solid { mesh, boundary, skin, outside, clamped, flange, axis, notes, .. } = solid;
         let wall = match (&scene.geometry.shape, &outside) {
             (Shape::Skin(skin), Some(outside)) => {
                 Some(SkinWall::new(scene, scene_dir, skin, &mesh, outside)?)
@@ -93,6 +99,7 @@ impl Limb {
             wall,
             shell,
             clamped,
+            flange,
             axis,
             max_wall_m: scene.rig.max_wall_m.unwrap_or(solid.max_wall_m),
             material,
@@ -162,6 +169,20 @@ impl Limb {
         };
         let found = self.gauges.iter().enumerate().find_map(|(i, g)| Some((i, unreached(g)?)));
         found.map_or(Ok(()), |(index, why)| Err(HapdefError::Unreached { index, why }))
+    }
+
+    /// The limb as loads of `spec` act on it.
+    #[must_use]
+    pub fn loaded(&self, spec: &LoadsSpec) -> LoadedLimb<'_> {
+        let nodes = self.flange.iter().map(|node| self.mesh.position(*node).coords);
+        let middle: Vector3<f64> = nodes.sum::<Vector3<f64>>() / self.flange.len().max(1) as f64;
+        LoadedLimb {
+            mesh: &self.mesh,
+            material: self.material,
+            expansion_per_k: spec.expansion_per_k,
+            flange: &self.flange,
+            flange_point_m: middle.into(),
+        }
     }
 
     /// Number of surface nodes.

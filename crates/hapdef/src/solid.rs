@@ -30,6 +30,8 @@ pub(crate) struct Solid {
     pub(crate) outside: Option<Outside>,
     /// Nodes held fast, ascending.
     pub(crate) clamped: Vec<FeNodeId>,
+    /// Nodes that the next joint is fixed to, ascending; none where the scene names no flange.
+    pub(crate) flange: Vec<FeNodeId>,
     /// The limb's long axis.
     pub(crate) axis: Axis,
     /// The material of the file, if it states one.
@@ -93,10 +95,12 @@ impl Solid {
         let boundary = deck.mesh.boundary();
         let axis = scene.geometry.axis.unwrap_or_else(|| principal_axis(&deck.mesh, &boundary));
         let mut clamped = find_mount(&scene.mount, &deck, &axis)?;
+        let mut flange = find_flange(scene, &deck, &axis, &clamped)?;
         let SolidDeck { mut mesh, material, notes, .. } = deck;
         for _ in 0..refinements {
             let refined = refine_unfolded(&mesh)?;
             clamped = refined.node_set(&clamped);
+            flange = refined.node_set(&flange);
             outside = outside.map(|outside| outside.refined(&refined));
             mesh = refined.mesh;
         }
@@ -104,7 +108,19 @@ impl Solid {
         let region = &scene.contact.region;
         let faces = outside.as_ref().map(|outside| &outside.faces[..]);
         let skin = find_skin(region, &axis, &mesh, &boundary, faces, &clamped)?;
-        Ok(Self { mesh, boundary, skin, outside, clamped, axis, material, notes, max_wall_m, hash })
+        Ok(Self {
+            mesh,
+            boundary,
+            skin,
+            outside,
+            clamped,
+            flange,
+            axis,
+            material,
+            notes,
+            max_wall_m,
+            hash,
+        })
     }
 }
 
@@ -221,6 +237,28 @@ fn in_metres(mut deck: SolidDeck, geometry: &Geometry) -> Result<SolidDeck, Hapd
     deck.material.iter_mut().for_each(DeckMaterial::from_millimetres);
     deck.face_tractions.iter_mut().for_each(|face| face.traction_pa *= 1e6);
     Ok(deck)
+}
+
+/// The nodes that the scene's flange names.
+fn find_flange(
+    scene: &Scene,
+    deck: &SolidDeck,
+    axis: &Axis,
+    clamped: &[FeNodeId],
+) -> Result<Vec<FeNodeId>, HapdefError> {
+    let Some(flange) = scene.loads.as_ref().and_then(|loads| loads.flange.as_ref()) else {
+        return Ok(Vec::new());
+    };
+    let nodes = find_mount(&flange.at, deck, axis).map_err(|error| match error {
+        HapdefError::NoMount { what, .. } => HapdefError::NoFlange { what },
+        other => other,
+    })?;
+    if nodes.iter().any(|node| clamped.contains(node)) {
+        return Err(HapdefError::NoFlange {
+            what: "some of its nodes are held by the mount".into(),
+        });
+    }
+    Ok(nodes)
 }
 
 fn find_mount(mount: &Mount, deck: &SolidDeck, axis: &Axis) -> Result<Vec<FeNodeId>, HapdefError> {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use hapdef_data::{DatasetReader, DatasetWriter, TensorSpec};
 use hapdef_rig::live::{
-    BridgeParams, CreepTerm, LiveElectronics, LiveElectronicsParams, LiveLimb, LiveSurface, Play,
-    PressScript, RandomScriptParams, RigDevice, RigDeviceParams, RigFault,
+    BridgeParams, CreepTerm, LiveElectronics, LiveElectronicsParams, LiveLimb, LiveSurface,
+    MovingLoads, Play, PressScript, RandomScriptParams, RigDevice, RigDeviceParams, RigFault,
 };
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -16,12 +16,17 @@ use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
-use crate::scene::{LiveSpec, Scene};
+use crate::scene::{LiveSpec, LoadsSpec, Scene};
 use crate::stages::{keys, real_limb, rig_key};
 
 const FILE: &str = "columns.safetensors";
 const TENSOR: &str = "columns";
+const LOADS_FILE: &str = "loads.safetensors";
+const LOADS: &str = "loads";
 const VERSION: u32 = 1;
+
+/// The limb stands still for so long, s: it is tared then.
+const LOADS_BEGIN_S: f64 = 4.0;
 
 /// Least force of a random press, N.
 const LEAST_N: f64 = 2.0;
@@ -51,7 +56,11 @@ impl Default for VirtualRigParams {
 /// [`HapdefError::Rig`] when the perturbed limb can't be meshed or solved.
 pub fn live_limb(run: &Run, limb: &Limb) -> Result<LiveLimb, HapdefError> {
     let limb_key = keys::limb(&run.scene, &limb.deck_hash);
-    let inputs = json!({ "version": VERSION, "limb": limb_key, "rig": rig_key(run)? });
+    let mut inputs = json!({ "version": VERSION, "limb": limb_key, "rig": rig_key(run)? });
+    let loads = run.scene.loads.clone().unwrap_or_default().loads();
+    if let Some(spec) = &run.scene.loads {
+        inputs["loads"] = json!(LoadsSpec { learned: None, ..spec.clone() });
+    }
     let stage = run.cache.stage("rig-live", &inputs, |dir| {
         run.check_stop("the virtual rig")?;
         run.say("solving the simulated real limb on its own, perturbed mesh");
@@ -65,9 +74,27 @@ pub fn live_limb(run: &Run, limb: &Limb) -> Result<LiveLimb, HapdefError> {
         let mut writer = DatasetWriter::create(&dir.join(FILE), points.len(), &[spec])?;
         writer.append(TENSOR, &numbers)?;
         writer.finish()?;
+        if !loads.is_empty() {
+            let responses = real.load_responses_ue();
+            let numbers: Vec<f32> = responses.iter().map(|v| *v as f32).collect();
+            let spec = TensorSpec::f32(LOADS, limb.gauges.len(), "µε");
+            let mut writer = DatasetWriter::create(&dir.join(LOADS_FILE), loads.len(), &[spec])?;
+            writer.append(LOADS, &numbers)?;
+            writer.finish()?;
+        }
         Ok(json!({ "simulated": true, "n_fe_nodes": real.info().n_fe_nodes }))
     })?;
-    read(&stage, limb)
+    let live = read(&stage, limb)?;
+    if loads.is_empty() {
+        return Ok(live);
+    }
+    let mut numbers = vec![0.0_f32; loads.len() * limb.gauges.len()];
+    let mut reader = DatasetReader::open(&stage.dir.join(LOADS_FILE))?;
+    reader.read_rows(LOADS, 0..loads.len(), &mut numbers)?;
+    let responses_ue = numbers.into_iter().map(f64::from).collect();
+    let sd = loads.into_iter().map(|(_, sd)| sd).collect();
+    let seed = run.scene.rig.electronics.seed;
+    Ok(live.with_loads(MovingLoads::new(responses_ue, sd, LOADS_BEGIN_S, seed)))
 }
 
 /// A script drawn for the scene: its forces, spacing and number of contacts.

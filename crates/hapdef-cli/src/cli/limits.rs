@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use clap::Args;
-use hapdef::touch::{LimitsReport, LimitsRequest, limits, response_map};
+use hapdef::touch::{LimitsReport, LimitsRequest, limits, response_with_loads};
 use hapdef::{Limb, Run, write_json};
 use hapdef_cli::{SceneArgs, shown};
 use hapdef_inverse::LimitParams;
@@ -45,7 +45,8 @@ pub(crate) fn run(args: &LimitsArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let contact = &run.scene.contact;
-    let map = response_map(&limb, contact.tip_radius_m, run.threads)?;
+    let (map, loads) = response_with_loads(&run, &limb)?;
+    let n_loads = loads.len();
     let request = LimitsRequest {
         noise_ue: args.noise_ue,
         n_sites: 800,
@@ -58,22 +59,35 @@ pub(crate) fn run(args: &LimitsArgs) -> Result<()> {
             ..LimitParams::default()
         },
     };
-    let report = limits(map, &request)?;
+    let report = limits(map, loads, &request)?;
     let picture = args.scene.out.join(&run.scene.name).join("limits.glb");
     draw(&picture, &limb, &report, request.carried.usable_sd_m)?;
     let origin = pages::origin(&run, &LEFT_OUT)?;
-    let figures = origin.with(as_json(&limb, &request, &report));
+    let mut figures = as_json(&limb, &request, &report);
+    figures["n_loads"] = json!(n_loads);
+    let figures = origin.with(figures);
     write_json(&picture.with_extension("json"), &figures)?;
     let page_file = picture.with_extension("html");
     let mut page = page(&run, &limb, &request, &report)?;
+    if n_loads > 0 {
+        page.facts.push(pages::fact("loads", beside(n_loads)));
+    }
     page.facts.extend(origin.facts());
     page.write(&page_file)?;
     if args.json {
         println!("{figures}");
     } else {
+        if n_loads > 0 {
+            println!("{}", beside(n_loads));
+        }
         print(&request, &report, &page_file);
     }
     Ok(())
+}
+
+/// What is unknown beside the contacts.
+fn beside(n_loads: usize) -> String {
+    format!("beside {n_loads} unknown loads that are no contacts, as the scene's loads say")
 }
 
 /// Bounds in tables and on the limb.

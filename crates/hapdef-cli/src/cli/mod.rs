@@ -20,6 +20,7 @@ mod live;
 mod live_end;
 mod live_record;
 mod live_ros;
+mod loads;
 mod mesh;
 mod network;
 mod new;
@@ -118,6 +119,8 @@ enum Command {
     Probe(probe::ProbeArgs),
     /// Corrects the response of the gauges by a table of presses.
     Calibrate(calibrate_args::CalibrateArgs),
+    /// Learns from frames in which nothing touches what a robot's own motion does to the gauges.
+    Loads(loads::LoadsArgs),
     /// The virtual limb as a device that speaks HDP1 on a pseudo-terminal or over TCP.
     Rig(rig::RigArgs),
     /// Contacts behind a table of readings, by the scene's estimator.
@@ -181,6 +184,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Print(args) => print::run(args),
         Command::Probe(args) => probe::run(args),
         Command::Calibrate(args) => calibrate::calibrate(args),
+        Command::Loads(args) => loads::run(args),
         Command::Rig(args) => rig::rig(args),
         Command::Contacts(args) => contacts::run(args),
         Command::Record(args) => record::run(args),

@@ -8,6 +8,7 @@ use crate::conditioning::detector::TouchDetector;
 use crate::conditioning::drift::{DRIFT_S, Drift};
 use crate::conditioning::faults::{Converter, Watch};
 use crate::conditioning::limits::DriftLimits;
+use crate::conditioning::load_fit::LoadFit;
 use crate::conditioning::params::ConditionerParams;
 use crate::conditioning::tare::TareCheck;
 use crate::conditioning::tracker::Tracker;
@@ -24,6 +25,7 @@ pub struct Conditioner {
     watches: Vec<Watch>,
     touch: TouchDetector,
     drift: Drift,
+    loads: LoadFit,
     is_taring: bool,
     check: TareCheck,
     /// What there was before the tare that is taken or was the last one.
@@ -66,6 +68,7 @@ impl Conditioner {
             watches: vec![Watch::new(); n],
             touch: TouchDetector::new(),
             drift: Drift::new(n, DriftLimits::new(&params), params.period_s),
+            loads: LoadFit::new(&params.loads, &params.gauge_sd),
             is_taring: true,
             check: TareCheck::new(n, params.tare_frames, params.period_s),
             before: Before::default(),
@@ -216,6 +219,7 @@ impl Conditioner {
         self.params.gauge_sd.copy_from_slice(gauge_sd);
         let trackers = self.trackers.iter_mut().zip(gauge_sd);
         trackers.for_each(|(tracker, sd)| tracker.set_noise(*sd));
+        self.loads.set_gauge_sd(gauge_sd);
         Ok(())
     }
 
@@ -249,6 +253,8 @@ impl Conditioner {
         self.drift.pass();
         self.take_off(raw, warmer_k, out);
         self.find_faults(raw, out);
+        // contacts and zeros are judged by what loads leave
+        self.loads.take_off(&mut out.readings, &out.live);
         let is_new = self.decide(out);
         self.follow(raw, warmer_k, is_new, out);
         let is_touched = self.touch.is_touched;
@@ -261,6 +267,7 @@ impl Conditioner {
             (self.touch, self.n_slow) = (TouchDetector::new(), 0);
             self.slow.fill(0.0);
         }
+        self.loads.put_back(&mut out.readings, &out.live);
         out.drift = self.drift.state;
         out.phase = if self.touch.is_touched { TouchPhase::Touched } else { TouchPhase::Untouched };
         Ok(())
@@ -423,7 +430,7 @@ impl Conditioner {
         let at = (self.ring_start + self.ring_len) % n_rows * width;
         let row = &mut self.ring[at..at + width];
         for gauge in 0..raw.len() {
-            let free = raw[gauge] - self.drift.offset[gauge];
+            let free = raw[gauge] - self.drift.offset[gauge] - self.loads.explained[gauge];
             row[gauge] = if out.live[gauge] { free } else { f64::NAN };
         }
         row[raw.len()] = warmer_k;

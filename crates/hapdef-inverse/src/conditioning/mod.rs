@@ -11,6 +11,7 @@ mod faults;
 mod held;
 mod limits;
 mod line;
+mod load_fit;
 mod params;
 mod tare;
 mod tracker;

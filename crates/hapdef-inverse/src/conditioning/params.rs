@@ -1,6 +1,7 @@
 //! How gauges drift, and when something touches.
 
 use crate::error::{InverseError, check_length, check_not_negative, check_positive};
+use crate::other_loads::OtherLoads;
 
 /// Parameters of a [`crate::Conditioner`]. Readings in one unit throughout.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +56,8 @@ pub struct ConditionerParams {
     pub spike_frames: usize,
     /// Frames without fault after which a gauge counts again.
     pub recover_frames: usize,
+    /// Loads that are no contacts: nothing touches, and no zero drifts, for what they explain.
+    pub loads: OtherLoads,
 }
 
 impl ConditionerParams {
@@ -95,6 +98,7 @@ impl ConditionerParams {
             spike_sds: 12.0,
             spike_frames: 2,
             recover_frames: 100,
+            loads: OtherLoads::default(),
         }
     }
 
@@ -124,6 +128,7 @@ impl ConditionerParams {
             }
         }
         let n_gauges = self.gauge_sd.len();
+        self.loads.check(n_gauges)?;
         for (what, n) in [("rails", self.rails.len()), ("coarse", self.coarse.len())] {
             if n > 0 {
                 check_length(what, n_gauges, n)?;

@@ -8,6 +8,7 @@ use crate::estimator::effective_rank::effective_rank;
 use crate::estimator::explanation::Explanation;
 use crate::estimator::{EstimatorParams, EstimatorScratch, Model};
 use crate::noise::NoiseParams;
+use crate::other_loads::OtherLoads;
 use crate::response::ResponseMap;
 use crate::sites::ScanSites;
 
@@ -61,9 +62,28 @@ impl ContactEstimator {
     pub fn with_gauge_sd(&self, gauge_sd: &[f64]) -> Result<Self, InverseError> {
         let (map, sites) = (self.model.map.clone(), self.model.sites.clone());
         let noise = NoiseParams { gauge_sd: gauge_sd.to_vec(), ..self.noise.clone() };
-        let mut live = vec![false; map.n_gauges()];
-        self.model.live.iter().for_each(|&gauge| live[gauge] = true);
-        Self::with_gauges(map, sites, noise, self.params, &live)
+        Self::with_gauges(map, sites, noise, self.params, &self.live())
+    }
+
+    /// The same estimator on a limb with such loads that are no contacts.
+    ///
+    /// # Errors
+    /// [`InverseError`] for loads of another number of gauges or values that are not finite.
+    pub fn with_loads(&self, loads: OtherLoads) -> Result<Self, InverseError> {
+        let (map, sites) = (self.model.map.clone(), self.model.sites.clone());
+        let noise = NoiseParams { loads, ..self.noise.clone() };
+        Self::with_gauges(map, sites, noise, self.params, &self.live())
+    }
+
+    /// Which gauges count `[n_gauges]`.
+    fn live(&self) -> Vec<bool> {
+        (0..self.model.map.n_gauges()).map(|gauge| self.model.live.contains(&gauge)).collect()
+    }
+
+    /// The loads that are no contacts.
+    #[must_use]
+    pub fn loads(&self) -> &OtherLoads {
+        &self.noise.loads
     }
 
     fn with_gauges(

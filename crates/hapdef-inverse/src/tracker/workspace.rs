@@ -75,6 +75,7 @@ impl Workspace {
         from.live.iter().for_each(|&gauge| live[gauge] = true);
         // whitened by the gauges' noise alone: what the map misses is a state of each contact
         // and what is no contact stays while frames add up: the filter has it
+        let n_taken = estimator.noise.n_taken(&from.live);
         let mut noise = NoiseParams { typical_force_n: 1e-9, ..estimator.noise.clone() };
         let loads = std::mem::take(&mut noise.loads);
         let model = Model::new(from.map.clone(), from.sites.clone(), &noise, &live)?;
@@ -104,7 +105,7 @@ impl Workspace {
             hypotheses: Hypotheses::new(&empty, params.n_hypotheses),
             gathered: Gathered::new(width),
             metric: Metric::new(m, width),
-            n_taken: loads.n_taken(&noise, &model.live),
+            n_taken,
             pair_birth: PairBirth::new(&model, &empty),
             before: empty,
             buffers,

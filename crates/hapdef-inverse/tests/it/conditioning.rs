@@ -1,7 +1,8 @@
 //! What conditioning takes off, and what it leaves.
 
 use hapdef_inverse::{
-    Conditioned, Conditioner, ConditionerParams, DriftState, GaugeHealth, TareEnd, TouchPhase,
+    Conditioned, Conditioner, ConditionerParams, DriftState, GaugeHealth, OtherLoads, TareEnd,
+    TouchPhase,
 };
 use proptest::prelude::*;
 use rand::SeedableRng;
@@ -331,5 +332,36 @@ fn drift_beyond_the_limit_is_said() {
         };
         assert_eq!(found, is_too_fast, "{rate}: {:?}", rig.out.drift);
         assert_eq!(rig.out.phase == TouchPhase::Touched, is_too_fast, "{rate}");
+    }
+}
+
+/// Two loads of hundreds of microstrains that swing for a minute are no touch, and when they go the zero is where it
+/// was; a contact beside them is a touch, and its readings are whole.
+#[test]
+fn loads_are_no_touch_and_move_no_zero() {
+    let load = |k: usize, gauge: usize| 10.0 * ((k + 2) as f64 * gauge as f64 + k as f64).sin();
+    let response = (0..2).flat_map(|k| (0..N).map(move |gauge| load(k, gauge))).collect();
+    let loads = OtherLoads { response, sd: vec![30.0; 2] };
+    let mut rig = Rig::new(|params| params.loads = loads.clone());
+    rig.run(1.0, |_| None, |gauge, _| offset(gauge));
+    let swing = |gauge: usize, t_s: f64| {
+        offset(gauge)
+            + 30.0 * (load(0, gauge) * (2.0 * t_s).sin() + load(1, gauge) * (0.7 * t_s).sin())
+    };
+    for _ in 0..60 {
+        rig.run(1.0, |_| None, swing);
+        assert_eq!(rig.out.phase, TouchPhase::Untouched);
+    }
+    for (gauge, left) in rig.mean(1.0, |_| None, |gauge, _| offset(gauge)).iter().enumerate() {
+        assert!(left.abs() < 0.5, "gauge {gauge}: {left}");
+    }
+    let beside = |gauge: usize, t_s: f64| swing(gauge, t_s) + contact(gauge);
+    rig.run(0.5, |_| None, beside);
+    assert_eq!(rig.out.phase, TouchPhase::Touched);
+    let whole =
+        rig.mean(1.0, |_| None, |gauge, _| offset(gauge) + 30.0 * load(0, gauge) + contact(gauge));
+    for (gauge, found) in whole.iter().enumerate() {
+        let expected = 30.0 * load(0, gauge) + contact(gauge);
+        assert!((found - expected).abs() < 0.5, "gauge {gauge}: {found}, {expected}");
     }
 }

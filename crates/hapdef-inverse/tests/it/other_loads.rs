@@ -205,3 +205,33 @@ fn loads_of_another_number_of_gauges_are_refused() {
     );
     assert!(matches!(refused, Err(InverseError::Length { expected: 60, found: 66, .. })));
 }
+
+/// Six loads show in two thousand untouched frames, and beside what was learned of them others are no contacts.
+#[test]
+fn learned_loads_are_no_contact() {
+    let world = World::new(16, 400, 11);
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let untouched = |rng: &mut ChaCha8Rng| frame(&world, &[], &drawn(rng), rng);
+    let frames: Vec<f64> = (0..2000).flat_map(|_| untouched(&mut rng)).collect();
+    let learned = OtherLoads::learned(&frames, &[SD; 16], 2.0).unwrap();
+    assert_eq!(learned.len(), 6);
+    let plain = world.estimator(NoiseParams::uniform(16, SD), EstimatorParams::default());
+    let estimator = plain.with_loads(learned).unwrap();
+    let is_touched = |_| !estimator.estimate(&untouched(&mut rng)).unwrap().contacts.is_empty();
+    let n = (0..1000).filter(is_touched).count();
+    // touch_p of 1000 is 1; more than 4 are so in 0.4 % of the cases (Poisson)
+    assert!(n <= 4, "{n} of 1000");
+}
+
+#[test]
+fn noise_alone_shows_no_load() {
+    let mut rng = ChaCha8Rng::seed_from_u64(13);
+    for n_frames in [50, 500, 5000] {
+        let mut frames = vec![0.0; 12 * n_frames];
+        world::add_noise(&mut frames, 0.7, &mut rng);
+        let learned = OtherLoads::learned(&frames, &[0.7; 12], 2.0).unwrap();
+        assert!(learned.is_empty(), "{n_frames} frames: {}", learned.len());
+    }
+    let few = OtherLoads::learned(&[0.0; 24], &[0.7; 12], 2.0);
+    assert!(matches!(few, Err(InverseError::Length { .. })), "{few:?}");
+}

@@ -19,6 +19,8 @@ pub(super) const FACES: &str = "skin.faces";
 pub(super) const FORBIDDEN: &str = "skin.forbidden";
 pub(super) const MAP: &str = "map.ue_per_n";
 pub(super) const SITE_ERROR: &str = "map.site_error";
+pub(super) const LOADS: &str = "loads.response_ue";
+pub(super) const LOAD_SDS: &str = "loads.sd";
 pub(super) const MODE: &str = "mode.";
 pub(super) const NET: &str = "net.";
 

@@ -11,7 +11,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use hapdef_inverse::{
-    ContactEstimator, ModeMap, ModeScope, ResponseMap, Skin, SkinFaces, SkinParams, TrackerParams,
+    ContactEstimator, ModeMap, ModeScope, OtherLoads, ResponseMap, Skin, SkinFaces, SkinParams,
+    TrackerParams,
 };
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -34,6 +35,8 @@ pub struct Bundle {
     /// Covariance of the map's error at every scan site `[n_sites, n_gauges, n_gauges]`, µε²/N²;
     /// empty where the settings' relative error stands for it.
     pub site_error: Vec<f64>,
+    /// Loads on the whole limb that are no contacts, µε per unit; none where there are none.
+    pub loads: OtherLoads,
     /// What may change the response, for calibration without a finite-element model; may be empty.
     pub modes: Vec<BundleMode>,
     /// What the map was calibrated with, JSON, if it was.
@@ -117,6 +120,7 @@ impl Bundle {
             info,
             scene_json: String::new(),
             site_error: Vec::new(),
+            loads: OtherLoads::default(),
             modes: Vec::new(),
             calibration_json: None,
             nets: BTreeMap::new(),
@@ -152,7 +156,12 @@ impl Bundle {
     /// [`LiveError::Inverse`] for values that can't be used.
     pub fn contact_estimator(&self) -> Result<ContactEstimator, LiveError> {
         let site_error = self.site_error.clone();
-        self.info.settings.estimator(self.map.clone(), site_error)
+        let estimator = self.info.settings.estimator(self.map.clone(), site_error)?;
+        Ok(if self.loads.is_empty() {
+            estimator
+        } else {
+            estimator.with_loads(self.loads.clone())?
+        })
     }
 
     /// An estimator of each frame on its own.

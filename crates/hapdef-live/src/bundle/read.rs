@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use hapdef_inverse::{ModeScope, ResponseMap, Skin};
+use hapdef_inverse::{ModeScope, OtherLoads, ResponseMap, Skin};
 use nalgebra::{Point3, Vector3};
 use safetensors::{Dtype, SafeTensors};
 
 use super::header::{
-    AnyHeader, CALIBRATION, ENTRY, FACES, FORBIDDEN, Header, MAP, MODE, NET, NODES, OUTWARD, SCENE,
-    SITE_ERROR, hash, tensor_hash,
+    AnyHeader, CALIBRATION, ENTRY, FACES, FORBIDDEN, Header, LOAD_SDS, LOADS, MAP, MODE, NET,
+    NODES, OUTWARD, SCENE, SITE_ERROR, hash, tensor_hash,
 };
 use super::{BUNDLE_VERSION, Bundle, BundleMode, SkinShape, map_on};
 use crate::error::LiveError;
@@ -53,6 +53,16 @@ impl Bundle {
                 parts.numbers(SITE_ERROR, &[n_sites, n_gauges, n_gauges])?
             }
         };
+        let loads = match parts.find(LOADS) {
+            None => OtherLoads::default(),
+            Some(part) => {
+                let n_loads = part.shape().first().copied().unwrap_or(0);
+                OtherLoads {
+                    response: parts.numbers(LOADS, &[n_loads, n_gauges])?,
+                    sd: parts.numbers(LOAD_SDS, &[n_loads])?,
+                }
+            }
+        };
         let has_calibration = parts.find(CALIBRATION).is_some();
         let calibration = has_calibration.then(|| parts.text(CALIBRATION));
         Ok(Self {
@@ -63,6 +73,7 @@ impl Bundle {
             info: header.info,
             outward,
             site_error,
+            loads,
             modes,
         })
     }

@@ -3,14 +3,14 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use hapdef_inverse::{ModeScope, Skin};
+use hapdef_inverse::{ModeScope, OtherLoads, Skin};
 use nalgebra::Vector3;
 use safetensors::tensor::{TensorView, serialize};
 use safetensors::{Dtype, SafeTensorError};
 
 use super::header::{
-    CALIBRATION, ENTRY, FACES, FORBIDDEN, Header, MAP, MODE, ModeHeader, NET, NODES, OUTWARD,
-    SCENE, SITE_ERROR, hash, tensor_hash,
+    CALIBRATION, ENTRY, FACES, FORBIDDEN, Header, LOAD_SDS, LOADS, MAP, MODE, ModeHeader, NET,
+    NODES, OUTWARD, SCENE, SITE_ERROR, hash, tensor_hash,
 };
 use super::{Bundle, skin_corners};
 use crate::error::LiveError;
@@ -59,6 +59,12 @@ impl Bundle {
             let shape = vec![n_sites, n_gauges, n_gauges];
             let part = Part::of_f64(self.site_error.iter(), shape);
             parts.insert(SITE_ERROR.to_owned(), part);
+        }
+        if !self.loads.is_empty() {
+            let (n_loads, OtherLoads { response, sd }) = (self.loads.len(), &self.loads);
+            let response = Part::of_f64(response.iter(), vec![n_loads, n_gauges]);
+            parts.insert(LOADS.to_owned(), response);
+            parts.insert(LOAD_SDS.to_owned(), Part::of_f64(sd.iter(), vec![n_loads]));
         }
         for (i, mode) in self.modes.iter().enumerate() {
             parts.insert(format!("{MODE}{i}"), of_map(&mode.map.nodal()));

@@ -9,7 +9,7 @@ mod tracking;
 
 use hapdef_contact::{Contact, Quality, Touch};
 use hapdef_inverse::{
-    ContactEstimate, ContactEstimator, LocatedContact, SeenForces, chi_square_tail,
+    ContactEstimate, ContactEstimator, LocatedContact, OtherLoads, SeenForces, chi_square_tail,
 };
 
 #[cfg(feature = "nets")]
@@ -194,6 +194,8 @@ pub struct Sight<'a> {
     pub seen: Option<&'a SeenForces>,
     /// The strongest force that touches are expected to have, N.
     pub range_n: f64,
+    /// Loads that are no contacts; none where it knows of none.
+    pub loads: Option<&'a OtherLoads>,
 }
 
 /// The strongest force that touches are expected to have, N.
@@ -233,8 +235,8 @@ pub struct TouchWanted {
 }
 
 impl<'a> Sight<'a> {
-    fn new(seen: &'a SeenForces, estimator: &ContactEstimator) -> Self {
-        Self { seen: Some(seen), range_n: range_n(estimator) }
+    fn new(seen: &'a SeenForces, estimator: &'a ContactEstimator) -> Self {
+        Self { seen: Some(seen), range_n: range_n(estimator), loads: Some(estimator.loads()) }
     }
 }
 

@@ -247,7 +247,7 @@ mod tests {
             frame.phase = TouchPhase::Touched;
             frame.touch.contacts.clear();
             frame.touch.contacts.push(Contact::new(Point3::origin(), force_n));
-            let sight = Some(Sight { seen: None, range_n: 34.0 });
+            let sight = Some(Sight { seen: None, range_n: 34.0, loads: None });
             let signs =
                 Signs { sight, live: Some(live), blur: 1.0, is_frozen: false, is_refused: false };
             trust.judge(&mut frame, &signs);

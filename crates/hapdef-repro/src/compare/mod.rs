@@ -8,6 +8,7 @@ pub(crate) mod cells;
 mod diagnose;
 mod figures;
 pub(crate) mod frontier;
+mod loads;
 pub(crate) mod paper;
 pub(crate) mod rig;
 mod run;

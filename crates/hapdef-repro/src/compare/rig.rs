@@ -70,6 +70,12 @@ impl<'a> Rig<'a> {
         self.layouts[&layout].channels.clone()
     }
 
+    /// Where a layout's gauges are, and as they read there.
+    pub(crate) fn gauges(&self, layout: Layout) -> (&[GaugeSite], &[GaugeStrain]) {
+        let Placed { sites, gauges, .. } = &self.layouts[&layout];
+        (sites, gauges)
+    }
+
     /// The response of a layout, solved if it is not there.
     pub(crate) fn response(
         &mut self,

@@ -7,6 +7,7 @@ use super::arrivals;
 use super::cases::{CASES, CASES_OF_MORE_GAUGES};
 use super::diagnose::diagnose;
 use super::figures::Measured;
+use super::loads::{load_scene, loads};
 use super::paper::{PaperPipeline, VirtualGauges};
 use super::rig::Layout;
 use super::score::Row;
@@ -15,9 +16,15 @@ use super::tables;
 
 /// Measures, prints and writes the comparison.
 pub(crate) fn run(args: &CompareArgs) -> Result<()> {
-    let run = args.scene.prepare()?;
+    let mut run = args.scene.prepare()?;
+    if args.loads {
+        load_scene(&mut run)?;
+    }
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let mut bench = Bench::build(&run, &limb, args)?;
+    if args.loads {
+        return loads(&mut bench);
+    }
     let mut measured = Measured::default();
     for case in &CASES {
         measured.rows.push(bench.found(case, |_, _, _, _| Ok(()))?.row(case.name));

@@ -40,6 +40,9 @@ pub(crate) struct CompareArgs {
     /// Take apart, too, why frames are not clean: by the search, by a tie or by the map.
     #[arg(long)]
     pub(super) diagnose: bool,
+    /// Nothing but contacts beside loads that are no contacts: a wrench on the free end, weight, acceleration.
+    #[arg(long, conflicts_with = "diagnose")]
+    pub(super) loads: bool,
 }
 
 fn at_least_few(word: &str) -> Result<usize, String> {

@@ -65,6 +65,13 @@ impl World {
                 *largest = largest.max(strongest * unit.abs());
             }
         }
+        // loads of two standard deviations, whatever presses
+        let spec = run.scene.loads.clone().unwrap_or_default();
+        let responses = world.real.load_responses_ue();
+        for (row, (_, sd)) in responses.chunks_exact(gauges.len()).zip(spec.loads()) {
+            let each = world.largest_ue.iter_mut().zip(row);
+            each.for_each(|(largest, unit)| *largest += 2.0 * sd * unit.abs());
+        }
         Ok(world)
     }
 
@@ -93,6 +100,27 @@ impl World {
             Frame { contacts, readings_ue }
         };
         Ok(drawn.into_iter().zip(strains?).map(frame).collect())
+    }
+
+    /// The same beside loads that are no contacts, `amounts` `[n_frames][n_loads]` of each.
+    pub(crate) fn loaded_frames(
+        &self,
+        drawn: Vec<Vec<TrueContact>>,
+        amounts: &[Vec<f64>],
+        stream: u64,
+    ) -> Result<Vec<Frame>> {
+        let mut electronics = self.electronics(stream)?;
+        let n = self.largest_ue.len();
+        let loads = self.real.load_responses_ue();
+        let frame = |(contacts, amounts): (Vec<TrueContact>, &Vec<f64>)| {
+            let mut readings_ue = self.strains(&contacts, self.tip_radius_m)?;
+            for (row, amount) in loads.chunks_exact(n).zip(amounts) {
+                readings_ue.iter_mut().zip(row).for_each(|(sum, unit)| *sum += amount * unit);
+            }
+            electronics.measure(&mut readings_ue);
+            Ok(Frame { contacts, readings_ue })
+        };
+        drawn.into_iter().zip(amounts).map(frame).collect()
     }
 
     /// A measuring chain with noise of its own.

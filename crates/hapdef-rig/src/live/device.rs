@@ -265,6 +265,7 @@ impl RigDevice {
         self.press.read_into(&mut self.pressed);
         contacts.extend(self.pressed.iter().filter_map(|p| p.on(&self.limb)));
         self.strain_ue.fill(0.0);
+        self.limb.loads().add_strain_ue(t_s, &mut self.strain_ue);
         for contact in contacts.iter() {
             let force = contact.force_vector_n();
             self.limb.add_strain_ue(&contact.point, &force, &mut self.strain_ue);

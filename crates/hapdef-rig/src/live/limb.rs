@@ -3,6 +3,7 @@
 use hapdef_mesh::{PointIndex, tri6};
 use nalgebra::{Point3, Vector3};
 
+use super::loads::MovingLoads;
 use super::nearest::closest_weights;
 use crate::error::RigError;
 use crate::real_limb::RealLimb;
@@ -40,6 +41,7 @@ pub struct LiveLimb {
     surface: LiveSurface,
     n_gauges: usize,
     columns_ue_per_n: Vec<Vector3<f64>>,
+    loads: MovingLoads,
     /// Faces at each node: `faces_at[starts[n]..starts[n + 1]]`.
     starts: Vec<u32>,
     faces_at: Vec<u32>,
@@ -65,9 +67,22 @@ impl LiveLimb {
             surface,
             n_gauges,
             columns_ue_per_n,
+            loads: MovingLoads::default(),
             starts,
             faces_at,
         })
+    }
+
+    /// The same beside loads that are no contacts.
+    #[must_use]
+    pub fn with_loads(self, loads: MovingLoads) -> Self {
+        Self { loads, ..self }
+    }
+
+    /// The loads that are no contacts.
+    #[must_use]
+    pub fn loads(&self) -> &MovingLoads {
+        &self.loads
     }
 
     /// The same, its columns taken from the limb behind the gauges under its probing tip.
@@ -156,7 +171,8 @@ impl LiveLimb {
         }
     }
 
-    /// Largest reading of each gauge under a normal press of `force_n` at any node, µε.
+    /// Largest reading of each gauge under a normal press of `force_n` at any node, beside loads of two standard
+    /// deviations, µε.
     #[must_use]
     pub fn largest_ue(&self, force_n: f64) -> Vec<f64> {
         let at = |gauge: usize| {
@@ -164,7 +180,8 @@ impl LiveLimb {
             let readings = columns.step_by(self.n_gauges).zip(&self.surface.inward);
             readings.fold(0.0_f64, |m, (c, d)| m.max((c.dot(d) * force_n).abs()))
         };
-        (0..self.n_gauges).map(at).collect()
+        let loads = self.loads.largest_ue(self.n_gauges);
+        loads.into_iter().enumerate().map(|(gauge, of_loads)| at(gauge) + of_loads).collect()
     }
 
     fn weighted(

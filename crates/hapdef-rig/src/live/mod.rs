@@ -14,6 +14,7 @@ mod faults;
 mod flicker;
 mod limb;
 mod link;
+mod loads;
 mod nearest;
 mod play;
 mod port;
@@ -29,6 +30,7 @@ pub use electronics::{BridgeParams, CreepTerm, LiveElectronics, LiveElectronicsP
 pub use faults::RigFault;
 pub use limb::{LiveLimb, LiveSurface, SurfacePoint};
 pub use link::{RigClock, RigLink};
+pub use loads::MovingLoads;
 pub use play::Play;
 pub use port::{DevicePort, PortState, TcpPort};
 pub use press::{PressHandle, Pressed, TrueContact, TruthFrame};

@@ -61,6 +61,7 @@ impl Bench {
             gauge_params: GaugeParams::default(),
             skin: &self.skin,
             tip_radius_m: 0.002,
+            loads: NominalLoads::default(),
         }
     }
 

@@ -3,6 +3,8 @@
 pub(crate) mod nodal;
 pub(crate) mod patch;
 mod thermal;
+mod whole_limb;
 
 pub use nodal::NodalLoad;
 pub use patch::PressedSkin;
+pub use whole_limb::{LimbLoad, LoadedLimb};

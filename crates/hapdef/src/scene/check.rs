@@ -1,7 +1,8 @@
 //! Ranges of the scene's values.
 
 use super::{
-    ContactRegion, EstimatorSpec, Geometry, Mount, RigMesh, Scene, Shape, WallBox, WallThickness,
+    ContactRegion, EstimatorSpec, Geometry, LoadsSpec, Mount, RigMesh, Scene, Shape, WallBox,
+    WallThickness,
 };
 
 /// A value outside its range.
@@ -17,7 +18,8 @@ type Checked = Result<(), Fault>;
 pub(super) fn check(scene: &Scene) -> Checked {
     check_name(&scene.name)?;
     check_geometry(&scene.geometry)?;
-    check_mount(&scene.mount)?;
+    check_mount("mount", &scene.mount)?;
+    scene.loads.as_ref().map_or(Ok(()), check_loads)?;
     check_contact(scene)?;
     check_gauges(scene)?;
     check_rig(scene)?;
@@ -86,18 +88,31 @@ fn check_name(name: &str) -> Checked {
     )
 }
 
-fn check_mount(mount: &Mount) -> Checked {
+fn check_mount(path: &str, mount: &Mount) -> Checked {
     match mount {
         Mount::Deck {} | Mount::NodeSet { .. } => Ok(()),
         Mount::Box { min_m, max_m } => {
-            ordered("mount.max_m", "above mount.min_m in x, y and z", min_m, max_m)
+            ordered(&format!("{path}.max_m"), "above min_m in x, y and z", min_m, max_m)
         }
         Mount::Plane { point_m, normal } => {
-            finite("mount.point_m", point_m)?;
-            direction("mount.normal", normal)
+            finite(&format!("{path}.point_m"), point_m)?;
+            direction(&format!("{path}.normal"), normal)
         }
-        Mount::End { length_m, .. } => positive("mount.length_m", *length_m),
+        Mount::End { length_m, .. } => positive(&format!("{path}.length_m"), *length_m),
     }
+}
+
+fn check_loads(loads: &LoadsSpec) -> Checked {
+    if let Some(flange) = &loads.flange {
+        check_mount("loads.flange.at", &flange.at)?;
+        not_negative("loads.flange.force_sd_n", flange.force_sd_n)?;
+        not_negative("loads.flange.moment_sd_nm", flange.moment_sd_nm)?;
+    }
+    not_negative("loads.specific_force_sd_m_s2", loads.specific_force_sd_m_s2)?;
+    not_negative("loads.angular_acceleration_sd_rad_s2", loads.angular_acceleration_sd_rad_s2)?;
+    not_negative("loads.angular_rate_sd_rad_s", loads.angular_rate_sd_rad_s)?;
+    not_negative("loads.temperature_sd_k", loads.temperature_sd_k)?;
+    not_negative("loads.expansion_per_k", loads.expansion_per_k)
 }
 
 fn check_contact(scene: &Scene) -> Checked {

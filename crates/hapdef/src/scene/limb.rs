@@ -17,7 +17,7 @@ pub struct MaterialSpec {
 }
 
 /// Which nodes are held fast in all three directions.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Mount {
     /// The nodes that the deck itself fixes.

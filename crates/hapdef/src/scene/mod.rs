@@ -9,6 +9,7 @@ mod estimator;
 mod gauges;
 mod geometry;
 mod limb;
+mod loads;
 mod read;
 mod rig;
 mod tag;
@@ -19,6 +20,7 @@ pub use geometry::{
     Axis, Geometry, Shape, SkinShape, WallBox, WallRegions, WallSide, WallSolver, WallThickness,
 };
 pub use limb::{ContactRegion, ContactSpec, LimbEnd, LoadDirection, MaterialSpec, Mount};
+pub use loads::{FlangeSpec, LoadsSpec};
 pub(crate) use read::default_name;
 pub use read::{read_scene, scene_file};
 pub use rig::{
@@ -48,6 +50,9 @@ pub struct Scene {
     /// Where and how it is touched.
     #[serde(default)]
     pub contact: ContactSpec,
+    /// Loads on it that are no contacts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loads: Option<LoadsSpec>,
     /// Its strain gauges.
     pub gauges: GaugeSpec,
     /// The simulated hardware.

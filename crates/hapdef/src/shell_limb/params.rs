@@ -158,6 +158,7 @@ impl ShellLimbParams {
                 tip_radius_m: self.tip_radius_m,
                 ..ContactSpec::default()
             },
+            loads: None,
             gauges: Default::default(),
             rig: Default::default(),
             estimator: Default::default(),

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use hapdef_data::{DatasetReader, DatasetWriter, TensorSpec};
 use hapdef_rig::{
-    GainParams, MisplacementParams, NominalLimb, RealLimb, RigParams, VariationParams,
+    GainParams, MisplacementParams, NominalLimb, NominalLoads, RealLimb, RigParams, VariationParams,
 };
-use hapdef_sim::GaugeSite;
+use hapdef_sim::{GaugeSite, LimbLoad};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -62,6 +62,8 @@ pub fn rig(run: &Run, limb: &Limb, compliance: &Stage) -> Result<Stage, HapdefEr
 /// and [`HapdefError::RigDeck`] for the rig's own deck.
 pub fn real_limb(run: &Run, limb: &Limb, gauges: &[GaugeSite]) -> Result<RealLimb, HapdefError> {
     let own = rig_solid(run)?;
+    let spec = run.scene.loads.clone().unwrap_or_default();
+    let wanted: Vec<LimbLoad> = spec.loads().into_iter().map(|(load, _)| load).collect();
     let nominal = NominalLimb {
         mesh: own.as_ref().map_or(&limb.mesh, |own| &own.mesh),
         clamped: own.as_ref().map_or(&limb.clamped, |own| &own.clamped),
@@ -70,6 +72,12 @@ pub fn real_limb(run: &Run, limb: &Limb, gauges: &[GaugeSite]) -> Result<RealLim
         gauge_params: limb.gauge_params,
         skin: own.as_ref().map_or(&limb.skin, |own| &own.skin),
         tip_radius_m: run.scene.contact.tip_radius_m,
+        loads: NominalLoads {
+            loads: &wanted,
+            flange: own.as_ref().map_or(&limb.flange, |own| &own.flange),
+            flange_point_m: limb.loaded(&spec).flange_point_m,
+            expansion_per_k: spec.expansion_per_k,
+        },
     };
     Ok(RealLimb::build(&nominal, &rig_params(&run.scene.rig, limb.max_wall_m), run.threads)?)
 }

@@ -3,14 +3,15 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use hapdef_inverse::ResponseMap;
+use hapdef_inverse::{OtherLoads, ResponseMap};
 use hapdef_live::estimator::{EstimatorKind, SuperpositionSettings};
 use hapdef_live::{Bundle, BundleGauge, BundleInfo, BundleMode};
 use nalgebra::Vector3;
 
+use super::chosen::calibrated_loads;
 use super::{
     Calibration, ChainStages, UncertainParams, UncertainResponse, chain_stages, estimator_settings,
-    response_map,
+    response_with_loads,
 };
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -45,6 +46,7 @@ pub fn make_bundle(
     let mut bundle = Bundle::new(info, Arc::new(source.map), Some(&outward))?;
     bundle.scene_json = scene_json;
     bundle.site_error = source.site_error;
+    bundle.loads = source.loads;
     bundle.calibration_json = source.calibration_json;
     if let Some(n_stiffness) = request.n_stiffness {
         bundle.modes = modes(run, limb, n_stiffness)?;
@@ -58,6 +60,7 @@ pub fn make_bundle(
 /// The map with its error and where both come from.
 struct Source {
     map: ResponseMap,
+    loads: OtherLoads,
     settings: SuperpositionSettings,
     site_error: Vec<f64>,
     calibration_json: Option<String>,
@@ -69,8 +72,10 @@ impl Source {
         let settings = estimator_settings(&run.scene, &spec);
         let Some(path) = &spec.calibration else {
             run.say("solving the gauges' response");
+            let (map, loads) = response_with_loads(run, limb)?;
             return Ok(Self {
-                map: response_map(limb, run.scene.contact.tip_radius_m, run.threads)?,
+                map,
+                loads,
                 settings,
                 site_error: Vec::new(),
                 calibration_json: None,
@@ -79,6 +84,7 @@ impl Source {
         let calibration = Calibration::read(&run.scene_dir.join(path), limb)?;
         Ok(Self {
             map: calibration.map(limb)?,
+            loads: calibrated_loads(run, limb)?,
             settings: SuperpositionSettings {
                 map_error: 0.0,
                 n_sites: calibration.n_sites,

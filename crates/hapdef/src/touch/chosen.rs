@@ -1,11 +1,12 @@
 //! The estimator that a scene chooses.
 
-use hapdef_inverse::{ContactEstimator, TrackerParams};
+use hapdef_inverse::{ContactEstimator, OtherLoads, TrackerParams};
 use hapdef_live::estimator::{
     EstimatorKind, PaperChain, SearchPlace, Superposition, TouchEstimator, Tracking,
 };
 
-use super::{Calibration, response_map, superposition};
+use super::learned_loads::learned_loads;
+use super::{Calibration, other_loads, response_with_loads, superposition};
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -55,13 +56,31 @@ pub fn tracker_params(scene: &Scene) -> TrackerParams {
 /// The estimator by superposition on the limb's map, solved or from the scene's calibration.
 pub(crate) fn by_superposition(run: &Run, limb: &Limb) -> Result<ContactEstimator, HapdefError> {
     let spec = run.scene.estimator.superposition();
-    if let Some(path) = &spec.calibration {
-        let calibration = Calibration::read(&run.scene_dir.join(path), limb)?;
-        return calibration.estimator(&run.scene, &spec, limb);
+    let (estimator, loads) = match &spec.calibration {
+        Some(path) => {
+            let calibration = Calibration::read(&run.scene_dir.join(path), limb)?;
+            let loads = calibrated_loads(run, limb)?;
+            (calibration.estimator(&run.scene, &spec, limb)?, loads)
+        }
+        None => {
+            run.say("solving the gauges' response");
+            let (map, loads) = response_with_loads(run, limb)?;
+            (superposition(&run.scene, &spec, map)?.into_estimator(), loads)
+        }
+    };
+    Ok(if loads.is_empty() { estimator } else { estimator.with_loads(loads)? })
+}
+
+/// The loads of a calibrated scene that are no contacts: those it learned, else as they are computed.
+pub(super) fn calibrated_loads(run: &Run, limb: &Limb) -> Result<OtherLoads, HapdefError> {
+    match (learned_loads(run)?, &run.scene.loads) {
+        (Some(learned), _) => Ok(learned),
+        (None, Some(spec)) => {
+            run.say("solving the gauges' response to loads that are no contacts");
+            other_loads(limb, &limb.sites, &limb.gauges, spec, run.threads)
+        }
+        (None, None) => Ok(OtherLoads::default()),
     }
-    run.say("solving the gauges' response");
-    let map = response_map(limb, run.scene.contact.tip_radius_m, run.threads)?;
-    Ok(superposition(&run.scene, &spec, map)?.into_estimator())
 }
 
 /// The stages behind the paper's chain.

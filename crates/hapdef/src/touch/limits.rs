@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use hapdef_bench::stats;
 use hapdef_inverse::{
-    Carried, ContactBound, ContactEstimator, EstimatorParams, LimitParams, NoiseParams,
+    Carried, ContactBound, ContactEstimator, EstimatorParams, LimitParams, NoiseParams, OtherLoads,
     ResponseMap, ScanSites, SkinPoint, carried_contacts, joint_bounds,
 };
 use rand::{RngExt, SeedableRng};
@@ -65,13 +65,17 @@ fn bound_quantile(bounds_m: &[f64], q: f64) -> f64 {
     if rising.is_empty() { f64::INFINITY } else { stats::quantile(&rising, q) }
 }
 
-/// The bounds of a response map in µε/N at every node of its skin.
+/// The bounds of a response map in µε/N at every node of its skin, beside `loads` that are no contacts.
 ///
 /// # Errors
 /// [`HapdefError::Inverse`] with fewer than three gauges or for a value out of range.
-pub fn limits(map: ResponseMap, request: &LimitsRequest) -> Result<LimitsReport, HapdefError> {
+pub fn limits(
+    map: ResponseMap,
+    loads: OtherLoads,
+    request: &LimitsRequest,
+) -> Result<LimitsReport, HapdefError> {
     let sites = ScanSites::farthest(map.skin(), request.n_sites)?;
-    let noise = NoiseParams::uniform(map.n_gauges(), request.noise_ue);
+    let noise = NoiseParams { loads, ..NoiseParams::uniform(map.n_gauges(), request.noise_ue) };
     let partners = sites.points().to_vec();
     let nodes = map.skin().node_points();
     let params = EstimatorParams::default();

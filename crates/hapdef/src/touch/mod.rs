@@ -8,9 +8,11 @@ mod fine;
 mod glued;
 mod layout;
 mod layout_choice;
+mod learned_loads;
 mod limits;
 mod model;
 mod modes;
+mod other_loads;
 mod probing;
 mod response;
 mod score;
@@ -33,10 +35,12 @@ pub use layout::{
     CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout, gauge_entries,
 };
 pub use layout_choice::{LayoutCandidates, SeeingLayout, study_layouts};
+pub use learned_loads::LearnedLoads;
 pub use limits::{LimitsReport, LimitsRequest, limits};
 pub(crate) use model::{LimbModel, model_estimate};
 pub use modes::{UncertainParams, UncertainResponse};
+pub use other_loads::other_loads;
 pub use probing::{ProbeParams, ProbedPress, ProbedRig};
-pub use response::{response_map, touchable_skin};
+pub use response::{response_map, response_with_loads, touchable_skin};
 pub use score::TouchScore;
 pub use superposition::{estimator_params, estimator_settings, superposition};

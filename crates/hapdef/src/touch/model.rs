@@ -102,18 +102,38 @@ impl<'a> LimbModel<'a> {
         &self,
         gauges: &[ModelGauge],
     ) -> Result<(Vec<Vector3<f64>>, SolveInfo), HapdefError> {
+        let (response, solved) = self.response(gauges)?;
+        Ok((self.fields_of(gauges, &response), solved))
+    }
+
+    /// Adjoint fields of the gauges that are there, at all nodes of the model.
+    ///
+    /// # Errors
+    /// [`HapdefError::Sim`].
+    pub(super) fn response(
+        &self,
+        gauges: &[ModelGauge],
+    ) -> Result<(GaugeResponse, SolveInfo), HapdefError> {
         let there: Vec<&LinearFunctional> = gauges.iter().flatten().collect();
-        let (response, solved) = self.model.response(&there)?;
+        Ok(self.model.response(&there)?)
+    }
+
+    /// [`Self::fields`] of solved gauges.
+    pub(super) fn fields_of(
+        &self,
+        gauges: &[ModelGauge],
+        response: &GaugeResponse,
+    ) -> Vec<Vector3<f64>> {
         let mut fields = Vec::with_capacity(self.limb.skin.nodes.len() * gauges.len());
         for node in &self.limb.skin.nodes {
-            let mut solved = (0..there.len()).map(GaugeId::from_index);
+            let mut solved = (0..response.n_gauges()).map(GaugeId::from_index);
             let row = gauges.iter().map(|gauge| match gauge.as_ref().and_then(|_| solved.next()) {
-                Some(gauge) => self.moved(&response, gauge, *node) * 1e6,
+                Some(gauge) => self.moved(response, gauge, *node) * 1e6,
                 None => Vector3::zeros(),
             });
             fields.extend(row);
         }
-        Ok((fields, solved))
+        fields
     }
 
     /// Displacements at the solid's `nodes` under loads on its skin, m/N; on a shell those of the wall's

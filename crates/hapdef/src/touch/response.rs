@@ -1,13 +1,16 @@
 //! The response map of a scene's limb.
 
-use hapdef_inverse::{ResponseMap, Skin, SkinFaces, SkinParams, TipMeans};
+use hapdef_inverse::{OtherLoads, ResponseMap, Skin, SkinFaces, SkinParams, TipMeans};
 use hapdef_mesh::{FeNodeId, GaugeId};
 use hapdef_sim::GaugeResponse;
 use nalgebra::Vector3;
 
+use super::learned_loads::learned_loads;
 use super::model::{LimbModel, ModelGauge};
+use super::other_loads;
 use crate::error::HapdefError;
 use crate::limb::Limb;
+use crate::run::Run;
 
 /// Readings of the scene's gauges per newton, µε/N, smooth over the touchable skin, under a tip of
 /// `tip_radius_m`: one factorisation and one adjoint solve for each gauge.
@@ -23,6 +26,26 @@ pub fn response_map(
 ) -> Result<ResponseMap, HapdefError> {
     let model = LimbModel::build(limb, threads)?;
     gauge_map(&model, &model.gauges(&limb.sites, &limb.gauges)?, tip_radius_m)
+}
+
+/// The same for a scene, with its loads that are no contacts: those it learned, else by the same solves.
+///
+/// # Errors
+/// As [`response_map`]; [`HapdefError::LearnedLoads`], [`HapdefError::ShellTemperature`].
+pub fn response_with_loads(
+    run: &Run,
+    limb: &Limb,
+) -> Result<(ResponseMap, OtherLoads), HapdefError> {
+    let model = LimbModel::build(limb, run.threads)?;
+    let gauges = model.gauges(&limb.sites, &limb.gauges)?;
+    let (response, _) = model.response(&gauges)?;
+    let loads = match (learned_loads(run)?, &run.scene.loads) {
+        (Some(learned), _) => learned,
+        (None, Some(spec)) => other_loads::of_response(&model, &gauges, &response, spec)?,
+        (None, None) => OtherLoads::default(),
+    };
+    let skin = TouchedSkin::new(limb, run.scene.contact.tip_radius_m)?;
+    Ok((skin.map(gauges.len(), &model.fields_of(&gauges, &response))?, loads))
 }
 
 /// The same for any `gauges` on the limb's model.

@@ -8,7 +8,7 @@ use hapdef::touch::{
     response_map, study_layouts, superposition, touch_estimator,
 };
 use hapdef::{Limb, Profile, Progress, Run};
-use hapdef_inverse::{LimitParams, Press, SkinPoint};
+use hapdef_inverse::{LimitParams, OtherLoads, Press, SkinPoint};
 use hapdef_sim::GaugeStrain;
 
 fn placed() -> PathBuf {
@@ -83,7 +83,7 @@ fn bounds_are_proportional_to_the_noise() {
     };
     let of = |noise_ue| {
         let map = response_map(&limb, 0.002, 2).unwrap();
-        limits(map, &request(noise_ue)).unwrap()
+        limits(map, OtherLoads::default(), &request(noise_ue)).unwrap()
     };
     let (fine, coarse) = (of(1.0), of(2.0));
     for (a, b) in fine.single_m.iter().zip(&coarse.single_m) {

@@ -71,6 +71,6 @@ impl TouchEstimator for PaperChain {
     /// The nets were trained with all gauges and say nothing of how sure they are: without one of them nothing is
     /// seen, and no force beyond the range is the range's end by noise.
     fn sight(&self) -> Option<Sight<'_>> {
-        Some(Sight { seen: None, range_n: self.range_n })
+        Some(Sight { seen: None, range_n: self.range_n, loads: None })
     }
 }

@@ -2,7 +2,7 @@
 
 use hapdef_contact::{GaugeHealth, TouchPhase};
 use hapdef_daq::without_realtime;
-use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, InverseError};
+use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, InverseError, OtherLoads};
 
 use super::Compute;
 use crate::runtime::device::Device;
@@ -143,6 +143,7 @@ impl Compute {
             tare_frames: (params.tare_s / device.period_s).round().max(1.0) as usize,
             rails: device.rails_ue(),
             coarse: device.steps_ue().map(|step| step > self.setup.noise_ue).collect(),
+            loads: self.loads(),
             ..given
         };
         let noise = TareNoise::new(params.gauge_sd.clone(), params.tare_frames);
@@ -158,6 +159,12 @@ impl Compute {
             raw_ue: ends_ue.clone(),
             ends_ue,
         }))
+    }
+
+    /// Loads that are no contacts, as the estimator knows them.
+    fn loads(&self) -> OtherLoads {
+        let sight = self.setup.estimator.as_ref().and_then(|estimator| estimator.sight());
+        sight.and_then(|sight| sight.loads).cloned().unwrap_or_default()
     }
 
     pub(super) fn tare(&mut self) {
