@@ -21,6 +21,7 @@ mod live_end;
 mod live_record;
 mod live_ros;
 mod loads;
+mod manual;
 mod mesh;
 mod network;
 mod new;
@@ -55,6 +56,7 @@ use hapdef_cli::SceneArgs;
 /// A sense of touch for robot limbs from a few strain gauges.
 #[derive(Parser)]
 #[command(
+    name = "hapdef",
     version,
     after_help = "Examples:\n  \
     hapdef demo fixtures/shin/demo.json\n  \
@@ -151,6 +153,10 @@ enum Command {
     /// Everything up to the scores of the trained nets.
     #[command(after_help = "Example:\n  hapdef eval fixtures/shin/scene.json --profile quick")]
     Eval(RunArgs),
+    /// Completions of commands and options for a shell.
+    Completions(manual::CompletionsArgs),
+    /// Manual pages of the program and of each of its commands.
+    Man(manual::ManArgs),
 }
 
 /// A scene, and how its records are printed.
@@ -198,6 +204,8 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),
         Command::Train(args) => stage::run_until(&args.scene, Until::Train, args.json),
         Command::Eval(args) => stage::run_until(&args.scene, Until::Eval, args.json),
+        Command::Completions(args) => manual::completions(args),
+        Command::Man(args) => manual::man(args),
     }
 }
 
