@@ -13,6 +13,8 @@ mod signals;
 pub use args::{ProfileName, SceneArgs, scene_path};
 pub use error::PrepareError;
 pub use exit::{exit_code, shown};
-pub use print::{JsonLines, check_printed, note_line, print_json, print_line};
+pub use print::{
+    JsonLines, StandardOutput, check_printed, is_end_of_reader, note_line, print_json, print_line,
+};
 pub use progress::on_stderr;
 pub use signals::stop_on_signals;

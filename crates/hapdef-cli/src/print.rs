@@ -2,7 +2,7 @@
 //! no error.
 
 use std::fmt::Arguments;
-use std::io::{Error, ErrorKind, Write};
+use std::io::{Error, ErrorKind, IsTerminal, Write};
 use std::sync::Mutex;
 
 use hapdef_contact::{printable, printable_lines};
@@ -46,6 +46,37 @@ impl<W: Write> Write for JsonLines<W> {
     }
 }
 
+/// Standard output for what is written as it is, from any thread. Its faults say that they are its own.
+pub struct StandardOutput;
+
+impl Write for StandardOutput {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Error> {
+        std::io::stdout().write(bytes).map_err(own)
+    }
+
+    fn flush(&mut self) -> Result<(), Error> {
+        std::io::stdout().flush().map_err(own)
+    }
+}
+
+impl StandardOutput {
+    /// Whether a person reads it at a terminal.
+    #[must_use]
+    pub fn is_terminal(&self) -> bool {
+        std::io::stdout().is_terminal()
+    }
+}
+
+/// Whether `error` comes of who reads standard output having closed it, as `head` does; a device or a file that is
+/// gone is something else.
+#[must_use]
+pub fn is_end_of_reader(error: &(dyn std::error::Error + 'static)) -> bool {
+    std::iter::successors(Some(error), |error| error.source()).any(|cause| {
+        let io = cause.downcast_ref::<Error>();
+        io.is_some_and(|io| io.kind() == ErrorKind::BrokenPipe && is_own(io))
+    })
+}
+
 /// Prints lines on standard error, as [`print_line`] does. Where nobody reads them there is nobody to say it to.
 pub fn note_line(text: Arguments<'_>) {
     let _ = writeln!(std::io::stderr(), "{}", printable_lines(&text.to_string()));
@@ -56,22 +87,37 @@ pub fn note_line(text: Arguments<'_>) {
 /// # Errors
 /// Standard output could not be written.
 pub fn check_printed() -> Result<(), Error> {
-    keep(std::io::stdout().flush());
-    let fault = FAULT.lock().map_or(None, |mut fault| fault.take());
-    fault.map_or(Ok(()), |e| Err(Error::new(e.kind(), format!("standard output: {e}"))))
+    // A fault is kept, the first of all is the one to tell.
+    let _ = StandardOutput.flush();
+    FAULT.lock().map_or(None, |mut fault| fault.take()).map_or(Ok(()), Err)
 }
+
+/// A fault of standard output.
+#[derive(Debug, thiserror::Error)]
+#[error("standard output: {0}")]
+struct OutputFault(Error);
 
 fn put(text: &str) {
-    keep(writeln!(std::io::stdout(), "{text}"));
+    // The fault is kept, and the work goes on.
+    let _ = writeln!(StandardOutput, "{text}");
 }
 
-/// Keeps the first fault; a reader that has closed its end has enough, and the work goes on.
-fn keep(done: Result<(), Error>) {
-    if let (Err(error), Ok(mut fault)) = (done, FAULT.lock())
+/// A fault of standard output as such; the first is kept, unless the reader has closed its end: it has enough.
+fn own(error: Error) -> Error {
+    let marked = |error: &Error| {
+        let same = error.raw_os_error().map_or(error.kind().into(), Error::from_raw_os_error);
+        Error::new(error.kind(), OutputFault(same))
+    };
+    if let Ok(mut fault) = FAULT.lock()
         && error.kind() != ErrorKind::BrokenPipe
     {
-        fault.get_or_insert(error);
+        fault.get_or_insert_with(|| marked(&error));
     }
+    marked(&error)
+}
+
+fn is_own(error: &Error) -> bool {
+    error.get_ref().is_some_and(|inner| inner.is::<OutputFault>())
 }
 
 /// JSON whose strings have escapes where [`printable`] has them; serde_json makes some of these only.
@@ -95,6 +141,18 @@ fn plain_json(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[derive(Debug, thiserror::Error)]
+    #[error("writing a table")]
+    struct Outer(#[source] Error);
+
+    #[test]
+    fn only_a_reader_of_standard_output_that_has_enough_is_no_error() {
+        let broken = || Error::from(ErrorKind::BrokenPipe);
+        assert!(is_end_of_reader(&Outer(own(broken()))));
+        assert!(!is_end_of_reader(&Outer(broken())));
+        assert!(!is_end_of_reader(&Outer(Error::new(ErrorKind::BrokenPipe, "a device"))));
+    }
 
     #[test]
     fn json_stays_what_it_says() {

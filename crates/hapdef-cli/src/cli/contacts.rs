@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::Limb;
 use hapdef::touch::{Touch, touch_estimator};
-use hapdef_cli::{SceneArgs, shown};
+use hapdef_cli::{SceneArgs, StandardOutput, shown};
 use serde_json::{Value, json};
 
 use super::table::read_table;
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &ContactsArgs) -> Result<()> {
     let frames = read_table(&args.readings, &args.topic, &[], &names)?;
     let mut estimator = touch_estimator(&run, &limb)?;
     let mut touch = Touch::default();
-    let mut out = std::io::stdout().lock();
+    let mut out = StandardOutput;
     for (i, frame) in frames.iter().enumerate() {
         estimator
             .estimate(&frame.values, &mut touch)

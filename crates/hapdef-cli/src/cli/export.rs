@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
-use hapdef_cli::{JsonLines, shown};
+use hapdef_cli::{JsonLines, StandardOutput, shown};
 use hapdef_daq::record::{DamageInfo, Recording, export_csv, export_json_lines};
 
 use super::files::new_file;
@@ -39,7 +39,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<()> {
     let mut recording = Recording::open(&args.file)?.with_first_chunk()?;
     let mut out: Box<dyn Write> = match &args.out {
         Some(path) => Box::new(new_file(path, "-o")?),
-        None => Box::new(std::io::stdout().lock()),
+        None => Box::new(StandardOutput),
     };
     let mut buffered = BufWriter::with_capacity(1 << 16, &mut out);
     let (n, what) = if args.form.csv {

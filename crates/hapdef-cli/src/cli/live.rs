@@ -1,7 +1,7 @@
 //! `hapdef live`: contacts from a stream of frames.
 
 use std::fs::File;
-use std::io::{BufWriter, IsTerminal, stdout};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -16,7 +16,7 @@ use hapdef::touch::{
     EstimatorKind, SearchPlace, TouchEstimator, calibration_in_use, live_estimator,
 };
 use hapdef::{Limb, Run, SOURCE_FORMS, SourceArg};
-use hapdef_cli::{JsonLines, SceneArgs, shown};
+use hapdef_cli::{JsonLines, SceneArgs, StandardOutput, shown};
 use hapdef_contact::printable;
 use hapdef_daq::record::{Player, PlayerControl};
 use hapdef_daq::source::FrameSource;
@@ -296,7 +296,7 @@ impl LiveArgs {
             // What is taken by JSON would be damaged by figures.
             out: match self.json {
                 true => || Box::new(std::io::stderr()),
-                false => || Box::new(std::io::stdout()),
+                false => || Box::new(StandardOutput),
             },
             metrics: std::env::var_os("HAPDEF_METRICS")
                 .map_or_else(|| self.scene.out.join("metrics.json"), std::path::PathBuf::from),
@@ -354,11 +354,11 @@ fn with_sinks(mut builder: LiveBuilder, args: &LiveArgs) -> Result<LiveBuilder> 
         builder = builder.sink(CsvSink::new(BufWriter::new(file)));
     }
     Ok(if args.json {
-        builder.sink(JsonSink::new(JsonLines(BufWriter::new(stdout()))))
-    } else if stdout().is_terminal() {
-        builder.sink(TextSink::refreshed(stdout()))
+        builder.sink(JsonSink::new(JsonLines(BufWriter::new(StandardOutput))))
+    } else if StandardOutput.is_terminal() {
+        builder.sink(TextSink::refreshed(StandardOutput))
     } else {
-        builder.sink(TextSink::lines(BufWriter::new(stdout())))
+        builder.sink(TextSink::lines(BufWriter::new(StandardOutput)))
     })
 }
 

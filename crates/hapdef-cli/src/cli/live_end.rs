@@ -13,6 +13,9 @@ use super::live_record::{LiveRecorder, LiveRecorderState};
 /// How often it looks whether to end.
 const LOOK: Duration = Duration::from_millis(20);
 
+/// Names of the sinks on standard output.
+const PRINTED: [&str; 2] = ["json", "text"];
+
 /// Until the source has ended, the person or `--seconds` ends it, nobody listens any more, or the device is
 /// another than the gauges'. A recording that stops is reported at once; the rest goes on without it.
 pub(super) fn wait(
@@ -49,7 +52,8 @@ fn other_device(health: &Health) -> Option<String> {
     }
 }
 
-/// The last line, and whether there were frames, and frames that could be used.
+/// The last line, whether there were frames, and frames that could be used, and whether all that was asked for was
+/// written. Standard output tells of its own faults.
 pub(super) fn report(health: &Health) -> Result<()> {
     let total = &health.total;
     eprintln!(
@@ -78,6 +82,12 @@ pub(super) fn report(health: &Health) -> Result<()> {
         let link = health.link.as_ref();
         let link = link.map_or(String::new(), |link| format!(": {link}"));
         bail!("{name}: not one reading came{link}");
+    }
+    let elsewhere = health.sinks.iter().filter(|sink| !PRINTED.contains(&sink.name.as_str()));
+    for sink in elsewhere {
+        if let Some(failure) = &sink.failure {
+            bail!("{} gave up: {failure}", sink.name);
+        }
     }
     if let Some(state @ LinkState::Damaged { .. }) = &health.link {
         eprintln!("{}", printable(&format!("{name}: {state}")));

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 use clap_mangen::Man;
-use hapdef_cli::shown;
+use hapdef_cli::{StandardOutput, shown};
 use hapdef_mesh::atomic_write;
 
 use super::Cli;
@@ -39,7 +39,7 @@ pub(crate) struct ManArgs {
 pub(crate) fn completions(args: &CompletionsArgs) -> Result<()> {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "hapdef", &mut text);
-    Ok(std::io::stdout().write_all(&text)?)
+    Ok(StandardOutput.write_all(&text)?)
 }
 
 /// Writes the pages, or prints the program's.
@@ -47,7 +47,7 @@ pub(crate) fn man(args: &ManArgs) -> Result<()> {
     let pages = pages();
     match &args.out {
         Some(folder) => write(&pages, folder),
-        None => Ok(pages[0].render(&mut std::io::stdout())?),
+        None => Ok(pages[0].render(&mut StandardOutput)?),
     }
 }
 

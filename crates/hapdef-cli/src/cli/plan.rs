@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::Limb;
 use hapdef::plan::{MeasuredStep, Plan, PlanStep, Rates, StepState, When, plan};
-use hapdef_cli::{SceneArgs, print_json};
+use hapdef_cli::{SceneArgs, StandardOutput, print_json};
 use hapdef_report::{MetricContext, MetricLog};
 
 #[derive(Args)]
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<()> {
     if args.measure {
         let steps = plan.measured(&run, &limb, args.presses.unwrap_or(0))?;
         print_measured(&steps);
-        let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(run.scene.seed));
+        let mut log = MetricLog::new(StandardOutput, MetricContext::here(run.scene.seed));
         for step in &steps {
             log.value(&format!("plan.{}_time_ratio", step.word), step.ratio(), "1")?;
         }

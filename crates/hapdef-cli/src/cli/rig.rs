@@ -8,7 +8,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hapdef::{Limb, Run, VirtualRigParams, live_limb, random_presses, virtual_device};
-use hapdef_cli::{SceneArgs, shown};
+use hapdef_cli::{SceneArgs, StandardOutput, shown};
 use hapdef_daq::record::claim;
 use hapdef_rig::live::{
     DevicePort, LiveLimb, PressScript, PtyPort, RigFault, RunInfo, RunParams, TcpPort, TruthFrame,
@@ -113,7 +113,7 @@ pub(crate) fn rig(args: &RigArgs) -> Result<()> {
 
 fn announced<P: DevicePort>(port: P) -> Result<P> {
     println!("port {}", port.name());
-    std::io::stdout().flush()?;
+    StandardOutput.flush()?;
     Ok(port)
 }
 

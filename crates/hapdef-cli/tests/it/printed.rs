@@ -1,7 +1,8 @@
 //! What commands print: names and texts from outside command no terminal and make no line of their own, and a
 //! reader that has enough is no error.
 
-use std::io::Write;
+use std::ffi::OsStr;
+use std::io::{BufRead, BufReader, Write};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -23,7 +24,7 @@ fn shin(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin").join(file)
 }
 
-fn hapdef(words: &[&str], folder: &Path) -> Command {
+fn hapdef(words: &[impl AsRef<OsStr>], folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hapdef"));
     command.args(words).current_dir(folder);
     command
@@ -195,11 +196,8 @@ fn device(n_channels: usize, n_hosts: usize) -> (String, JoinHandle<()>) {
     (source, device)
 }
 
-/// Both streams closed by who read them: as `hapdef … | head -0` does.
-#[test]
-fn a_reader_that_has_enough_is_no_error() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+/// What is printed by commands that end by themselves, and what they need in `folder`.
+fn commands(folder: &Path) -> Vec<Vec<String>> {
     made(folder, 100);
     let [skin, deck, scene] = ["shin_skin.glb", "shin.inp.gz", "placed.json"]
         .map(|f| shin(f).to_str().unwrap().to_owned());
@@ -207,10 +205,12 @@ fn a_reader_that_has_enough_is_no_error() {
     // what the docs' commands solve and keep
     let out = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/hapdef");
     let out = out.to_str().unwrap();
-    for words in [
+    let commands = [
         &["--help"][..],
         &["live", "--help"],
         &["--version"],
+        &["completions", "bash"],
+        &["man"],
         &["inspect", &skin],
         &["inspect", &skin, "--json"],
         &["inspect", &deck],
@@ -227,12 +227,69 @@ fn a_reader_that_has_enough_is_no_error() {
         &["limits", &scene, "--out", out],
         &["live", &scene, "--sim", "--seconds", "0.5", "--out", out],
         &["live", &scene, "--sim", "--seconds", "0.5", "--json", "--out", out],
-    ] {
+    ];
+    commands.map(|words| words.iter().map(|word| (*word).to_owned()).collect()).into()
+}
+
+/// Both streams closed by who read them: as `hapdef … 2>&1 | head -0` does.
+#[test]
+fn a_reader_that_has_enough_is_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for words in commands(folder) {
         let (reader, closed) = std::io::pipe().unwrap();
         drop(reader);
-        let mut command = hapdef(words, folder);
+        let mut command = hapdef(&words, folder);
         let status = command.stdout(closed.try_clone().unwrap()).stderr(closed).status().unwrap();
         assert!(status.code().is_some_and(|code| code < 2), "{words:?}: {status:?}");
+    }
+}
+
+/// As `hapdef … | head -1` does.
+#[test]
+fn a_reader_that_has_a_line_hears_of_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for words in commands(folder) {
+        let mut command = hapdef(&words, folder);
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut line = Vec::new();
+        let mut reader = BufReader::with_capacity(1, child.stdout.take().unwrap());
+        reader.read_until(b'\n', &mut line).unwrap();
+        drop(reader);
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        let is_told = words[0] == "recover" || words[0] == "record";
+        assert!(is_told || line.ends_with(b"\n"), "{words:?}: {said}");
+        assert!(output.status.code().is_some_and(|code| code < 2), "{words:?}: {said}");
+        assert!(!said.contains("error") && !said.contains("roken pipe"), "{words:?}: {said}");
+    }
+}
+
+/// A pipe that a command writes to by its name, whose reader leaves.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_broken_pipe_that_is_not_standard_output_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    made(folder, 5000);
+    let scene = shin("placed.json");
+    let out = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/hapdef");
+    let [scene, out] = [&scene, &out].map(|path| path.to_str().unwrap());
+    let pipe = folder.join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for words in [
+        &["export", "made.mcap", "--csv", "-o", "pipe"][..],
+        &["export", "made.mcap", "--jsonl", "-o", "pipe"],
+        &["live", scene, "--sim", "--seconds", "1.5", "--csv", "pipe", "--out", out],
+    ] {
+        let mut command = hapdef(words, folder);
+        let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(std::fs::File::open(&pipe).unwrap());
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {said}");
+        assert!(said.contains("Broken pipe"), "{words:?}: {said}");
     }
 }
 
@@ -240,14 +297,19 @@ fn a_reader_that_has_enough_is_no_error() {
 #[test]
 fn a_disk_that_is_full_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    made(folder, 100);
     let skin = shin("shin_skin.glb");
-    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-    let output = hapdef(&["inspect", skin.to_str().unwrap()], folder.path())
-        .stdout(full)
-        .stderr(Stdio::piped())
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.starts_with("error: standard output: "), "{said}");
+    for words in [
+        &["inspect", skin.to_str().unwrap()][..],
+        &["export", "made.mcap", "--csv"],
+        &["live", shin("placed.json").to_str().unwrap(), "--sim", "--seconds", "0.5"],
+        &["completions", "bash"],
+    ] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let output = hapdef(words, folder).stdout(full).stderr(Stdio::piped()).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {said}");
+        assert!(said.contains("standard output: "), "{words:?}: {said}");
+    }
 }

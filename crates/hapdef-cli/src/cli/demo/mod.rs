@@ -13,7 +13,7 @@ use hapdef::touch::{
 };
 use hapdef::{Limb, Run, StepBar};
 use hapdef_bench::{table, terminal_table};
-use hapdef_cli::{SceneArgs, print_json, shown};
+use hapdef_cli::{SceneArgs, StandardOutput, print_json, shown};
 use hapdef_inverse::{ContactEstimator, Press};
 use hapdef_report::{MetricContext, MetricLog};
 use nalgebra::Point3;
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
     println!("page: {}", shown(&page));
     println!("next: {}", page::live_command(args));
     let context = MetricContext::here(run.scene.seed);
-    let mut log = MetricLog::new(std::io::stdout(), context);
+    let mut log = MetricLog::new(StandardOutput, context);
     Ok(log.value("first.demo_s", start.elapsed().as_secs_f64(), "s")?)
 }
 

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use clap::Args;
-use hapdef_cli::JsonLines;
+use hapdef_cli::{JsonLines, StandardOutput};
 use hapdef_daq::Message;
 use hapdef_daq::record::{Content, Recording};
 
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &ReplayArgs) -> Result<()> {
 /// The records as lines, frames at their times.
 fn lines(args: &ReplayArgs, stop: &AtomicBool) -> Result<()> {
     let mut recording = Recording::open(&args.file)?.with_first_chunk()?;
-    let mut out = JsonLines(std::io::stdout().lock());
+    let mut out = JsonLines(StandardOutput);
     let mut start = None;
     while let Some(record) = recording.next_record()? {
         if stop.load(Ordering::Relaxed) {
