@@ -22,7 +22,7 @@ pub(crate) struct PipelineArgs {
     /// Seed of the training side instead of the scene's.
     #[arg(long)]
     seed: Option<u64>,
-    /// Everything else goes to `hapdef` as it is, such as `--steps 2000` (see `hapdef --help`).
+    /// Everything else goes to `hapdef` as it is, such as `--threads 2` (see the help of its commands).
     #[arg(last = true)]
     rest: Vec<String>,
 }

@@ -9,6 +9,7 @@ mod exit;
 mod print;
 mod progress;
 mod signals;
+mod training;
 
 pub use args::{ProfileName, SceneArgs, scene_path};
 pub use error::PrepareError;
@@ -18,3 +19,4 @@ pub use print::{
 };
 pub use progress::on_stderr;
 pub use signals::stop_on_signals;
+pub use training::{SampleArgs, TrainingArgs};

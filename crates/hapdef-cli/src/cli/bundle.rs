@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::Limb;
 use hapdef::touch::{BundleRequest, make_bundle};
-use hapdef_cli::{SceneArgs, print_json, shown};
+use hapdef_cli::{SceneArgs, TrainingArgs, print_json, shown};
 use hapdef_live::Bundle;
 use hapdef_mesh::atomic_write;
 use serde_json::json;
@@ -22,6 +22,8 @@ use serde_json::json;
 pub(crate) struct BundleArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    training: TrainingArgs,
     /// The file to write.
     #[arg(short = 'o', long)]
     bundle: PathBuf,
@@ -38,7 +40,7 @@ pub(crate) struct BundleArgs {
 }
 
 pub(crate) fn run(args: &BundleArgs) -> Result<()> {
-    let run = args.scene.prepare()?;
+    let run = args.training.prepare(&args.scene)?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let path = &args.scene.scene;
     let text = std::fs::read_to_string(path).with_context(|| shown(path))?;

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::Limb;
 use hapdef::touch::{Touch, touch_estimator};
-use hapdef_cli::{SceneArgs, StandardOutput, shown};
+use hapdef_cli::{SceneArgs, StandardOutput, TrainingArgs, shown};
 use serde_json::{Value, json};
 
 use super::table::read_table;
@@ -21,6 +21,8 @@ use super::topic::TopicArgs;
 pub(crate) struct ContactsArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    training: TrainingArgs,
     /// Tared readings, µε: a frame a line, a column for each gauge by its name or in order; commas,
     /// semicolons or tabs between. Or an MCAP file, with --topic.
     readings: PathBuf,
@@ -32,7 +34,7 @@ pub(crate) struct ContactsArgs {
 }
 
 pub(crate) fn run(args: &ContactsArgs) -> Result<()> {
-    let run = args.scene.prepare()?;
+    let run = args.training.prepare(&args.scene)?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let names: Vec<&str> = run.scene.gauges.sites.iter().map(|site| site.name.as_str()).collect();
     let frames = read_table(&args.readings, &args.topic, &[], &names)?;

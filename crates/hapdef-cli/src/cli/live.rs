@@ -16,7 +16,7 @@ use hapdef::touch::{
     EstimatorKind, SearchPlace, TouchEstimator, calibration_in_use, live_estimator,
 };
 use hapdef::{Limb, Run, SOURCE_FORMS, SourceArg};
-use hapdef_cli::{JsonLines, SceneArgs, StandardOutput, shown};
+use hapdef_cli::{JsonLines, SceneArgs, StandardOutput, TrainingArgs, shown};
 use hapdef_contact::printable;
 use hapdef_daq::record::{Player, PlayerControl};
 use hapdef_daq::source::FrameSource;
@@ -54,6 +54,8 @@ use super::view::{FirstPaint, FirstPaintParams, Origin, Reach, Sim, View, ViewAr
 pub(crate) struct LiveArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    training: TrainingArgs,
     #[arg(long, help = format!("Where readings come from: {SOURCE_FORMS}"))]
     source: Option<SourceArg>,
     #[command(flatten)]
@@ -189,7 +191,7 @@ impl Model {
     }
 
     fn of_scene(args: &LiveArgs) -> Result<Self> {
-        let run = args.scene.prepare()?;
+        let run = args.training.prepare(&args.scene)?;
         let limb = Limb::load(&run.scene, &run.scene_dir)?;
         let kind = args.estimator.unwrap_or(run.scene.estimator.kind().in_stream());
         let out = &args.scene.out;

@@ -51,7 +51,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
 use hapdef::Until;
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SampleArgs, SceneArgs, TrainingArgs};
 
 /// A sense of touch for robot limbs from a few strain gauges.
 #[derive(Parser)]
@@ -146,13 +146,13 @@ enum Command {
     Simulate(RunArgs),
     /// Everything up to the datasets.
     #[command(after_help = "Example:\n  hapdef dataset fixtures/shin/scene.json --profile quick")]
-    Dataset(RunArgs),
+    Dataset(DatasetArgs),
     /// Everything up to the trained nets.
     #[command(after_help = "Example:\n  hapdef train fixtures/shin/scene.json --profile quick")]
-    Train(RunArgs),
+    Train(TrainArgs),
     /// Everything up to the scores of the trained nets.
     #[command(after_help = "Example:\n  hapdef eval fixtures/shin/scene.json --profile quick")]
-    Eval(RunArgs),
+    Eval(TrainArgs),
     /// Completions of commands and options for a shell.
     Completions(manual::CompletionsArgs),
     /// Manual pages of the program and of each of its commands.
@@ -167,6 +167,22 @@ struct RunArgs {
     /// Print the stages' records as JSON, one a line.
     #[arg(long)]
     json: bool,
+}
+
+#[derive(Args)]
+struct DatasetArgs {
+    #[command(flatten)]
+    run: RunArgs,
+    #[command(flatten)]
+    samples: SampleArgs,
+}
+
+#[derive(Args)]
+struct TrainArgs {
+    #[command(flatten)]
+    run: RunArgs,
+    #[command(flatten)]
+    training: TrainingArgs,
 }
 
 /// Does what the arguments say.
@@ -200,10 +216,18 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Doctor(args) => doctor::run(args),
         Command::Bundle(args) => bundle::run(args),
         Command::Live(args) => live::run(args),
-        Command::Simulate(args) => stage::run_until(&args.scene, Until::Simulate, args.json),
-        Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),
-        Command::Train(args) => stage::run_until(&args.scene, Until::Train, args.json),
-        Command::Eval(args) => stage::run_until(&args.scene, Until::Eval, args.json),
+        Command::Simulate(args) => {
+            stage::run_until(&args.scene.prepare()?, Until::Simulate, args.json)
+        }
+        Command::Dataset(DatasetArgs { run, samples }) => {
+            stage::run_until(&samples.prepare(&run.scene)?, Until::Dataset, run.json)
+        }
+        Command::Train(TrainArgs { run, training }) => {
+            stage::run_until(&training.prepare(&run.scene)?, Until::Train, run.json)
+        }
+        Command::Eval(TrainArgs { run, training }) => {
+            stage::run_until(&training.prepare(&run.scene)?, Until::Eval, run.json)
+        }
         Command::Completions(args) => manual::completions(args),
         Command::Man(args) => manual::man(args),
     }
@@ -227,14 +251,37 @@ mod tests {
     #[test]
     fn how_nets_are_trained_comes_after_what_a_command_has_of_its_own() {
         let mut command = Cli::command();
-        for (name, own) in
-            [("live", "--source"), ("place", "--gauges"), ("calibrate", "--noise-ue")]
-        {
+        for (name, own) in [("live", "--source"), ("contacts", "--json"), ("bundle", "--modes")] {
             let command = command.find_subcommand_mut(name).unwrap();
             let help = command.render_long_help().to_string();
             let at = |words: &str| help.find(words).unwrap();
             assert!(at("\nTraining:") < at("      --l2"), "{name}");
             assert!(at(&format!("      {own}")) < at("\nTraining:"), "{name}");
         }
+    }
+
+    #[test]
+    fn only_what_may_train_nets_says_how() {
+        let command = Cli::command();
+        let has = |name: &str| -> Vec<&str> {
+            let has = |c: &&clap::Command| c.get_arguments().any(|a| a.get_long() == Some(name));
+            command.get_subcommands().filter(has).map(clap::Command::get_name).collect()
+        };
+        let may_train = ["plan", "contacts", "bundle", "live", "train", "eval"];
+        for name in [
+            "steps",
+            "l2",
+            "batch",
+            "output-modes",
+            "output-scale",
+            "loss",
+            "samples",
+            "backend",
+            "other-steps",
+        ] {
+            assert_eq!(has(name), may_train, "--{name}");
+        }
+        let makes_samples = ["plan", "contacts", "bundle", "live", "dataset", "train", "eval"];
+        assert_eq!((has("singles"), has("multis")), (makes_samples.into(), makes_samples.into()));
     }
 }

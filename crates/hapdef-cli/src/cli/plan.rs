@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::Limb;
 use hapdef::plan::{MeasuredStep, Plan, PlanStep, Rates, StepState, When, plan};
-use hapdef_cli::{SceneArgs, StandardOutput, print_json};
+use hapdef_cli::{SceneArgs, StandardOutput, TrainingArgs, print_json};
 use hapdef_report::{MetricContext, MetricLog};
 
 #[derive(Args)]
@@ -15,6 +15,8 @@ use hapdef_report::{MetricContext, MetricLog};
 pub(crate) struct PlanArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    training: TrainingArgs,
     /// Print the plan as JSON.
     #[arg(long)]
     json: bool,
@@ -27,7 +29,7 @@ pub(crate) struct PlanArgs {
 }
 
 pub(crate) fn run(args: &PlanArgs) -> Result<()> {
-    let run = args.scene.prepare()?;
+    let run = args.training.prepare(&args.scene)?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let rates = Rates::recorded(&run.cache, run.threads);
     let max_wall_m = limb.max_wall_m;

@@ -53,12 +53,11 @@ fn say_what_is_drawn(run: &Run, limb: &Limb) -> Result<()> {
 }
 
 /// Runs every stage up to `until` and prints their records.
-pub(crate) fn run_until(args: &SceneArgs, until: Until, json: bool) -> Result<()> {
-    let run = args.prepare()?;
+pub(crate) fn run_until(run: &Run, until: Until, json: bool) -> Result<()> {
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let rates = Rates::recorded(&run.cache, run.threads);
-    let parts_s = pipeline_parts_s(&run, &limb, &rates)?;
-    let done = Pipeline::run_timed(&run, &limb, until, &parts_s)?;
+    let parts_s = pipeline_parts_s(run, &limb, &rates)?;
+    let done = Pipeline::run_timed(run, &limb, until, &parts_s)?;
     for stage in done.stages() {
         show(stage, json)?;
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 use hapdef_bench::{Column, Metric, Study, against_time, by_cost, or_dash, page_table, table};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, TrainingArgs};
 use hapdef_report::{Figure, LineChart, Report, SkippedStage};
 
 use super::measure::{Measured, Point, best_reduced, measure};
@@ -17,6 +17,8 @@ use crate::run::facts;
 pub(crate) struct FrontierArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    training: TrainingArgs,
     /// Rounds in which every variant is timed.
     #[arg(long, default_value_t = 20)]
     rounds: usize,
@@ -58,7 +60,7 @@ const REDUCED_ERROR: Metric<Vec<Point>> = Metric::all(
 
 /// Measures every variant and writes the report.
 pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
-    let run = args.scene.prepare()?;
+    let run = args.training.prepare(&args.scene)?;
     let peers_folder = args.scene.out.join("frontier-nets-peers");
     let Measured { done, points, missing } =
         measure(&run, args.rounds, Some((&args.python, &peers_folder)))?;

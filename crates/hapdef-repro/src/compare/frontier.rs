@@ -91,7 +91,7 @@ const STUDY: Study<Vec<Point>> = Study {
 
 /// Measures every effort and writes the page.
 pub(crate) fn run(args: &CompareArgs) -> Result<()> {
-    let run = args.scene.prepare()?;
+    let run = args.training.prepare(&args.scene)?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let mut bench = Bench::build(&run, &limb, args)?;
     let mut paper = match args.without_paper {

@@ -16,7 +16,7 @@ use super::tables;
 
 /// Measures, prints and writes the comparison.
 pub(crate) fn run(args: &CompareArgs) -> Result<()> {
-    let mut run = args.scene.prepare()?;
+    let mut run = args.training.prepare(&args.scene)?;
     if args.loads {
         load_scene(&mut run)?;
     }

@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::touch::estimator_params;
 use hapdef::{Limb, Run};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, TrainingArgs};
 use hapdef_inverse::EstimatorParams;
 
 use super::cells::{Drawn, Map};
@@ -22,6 +22,8 @@ pub(super) const N_FEW: usize = 300;
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
+    #[command(flatten)]
+    pub(super) training: TrainingArgs,
     /// Frames of each row.
     #[arg(long, default_value_t = 400)]
     pub(super) frames: usize,

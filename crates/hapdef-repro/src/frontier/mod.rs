@@ -28,7 +28,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::{Cache, HapdefError, Limb, Run};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, TrainingArgs};
 use hapdef_sim::SimError;
 use serde::Serialize;
 use serde_json::json;
@@ -61,6 +61,8 @@ const MINUTES_FOR_MANY: f64 = 15.0;
 pub(crate) struct ChainFrontierArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    training: TrainingArgs,
     /// No new point is begun after so many minutes; the usual configuration, searched and followed, and
     /// everything that is measured once always is.
     #[arg(long, default_value_t = 20.0)]
@@ -110,7 +112,7 @@ struct Refused {
 /// Measures, prints and writes the frontier.
 pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
     let start = Instant::now();
-    let run = args.scene.prepare()?;
+    let run = args.training.prepare(&args.scene)?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     if let Some(path) = &args.check {
         return limits::check(path, args, &run, &limb);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, TrainingArgs};
 
 use super::{robustness, search, tactile};
 use crate::bench::{BenchNetsArgs, FrontierArgs};
@@ -28,7 +28,7 @@ pub(super) enum Command {
     #[command(
         after_help = "Example:\n  hapdef-repro report fixtures/shin/scene.json --profile quick"
     )]
-    Report(SceneArgs),
+    Report(ReportArgs),
     /// The baselines and a net on a real tactile skin that nobody here built.
     #[command(after_help = "Example:\n  hapdef-repro tactile --steps 1000")]
     Tactile(tactile::TactileArgs),
@@ -108,9 +108,17 @@ pub(super) enum Command {
 }
 
 #[derive(Args)]
-pub(super) struct ReproArgs {
+pub(super) struct ReportArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
+    #[command(flatten)]
+    pub(super) training: TrainingArgs,
+}
+
+#[derive(Args)]
+pub(super) struct ReproArgs {
+    #[command(flatten)]
+    pub(super) run: ReportArgs,
     /// Also writes the tables and verdicts to this Markdown file.
     #[arg(long)]
     pub(super) results: Option<PathBuf>,
@@ -138,6 +146,8 @@ pub(super) struct CheckResultsArgs {
     /// The scene and the amounts of the page's run.
     #[command(flatten)]
     pub(super) scene: SceneArgs,
+    #[command(flatten)]
+    pub(super) training: TrainingArgs,
     /// The report of a quick run of that scene, `report.json`.
     #[arg(long)]
     pub(super) report: PathBuf,

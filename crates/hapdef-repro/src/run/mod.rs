@@ -31,12 +31,11 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use hapdef::{Limb, Pipeline, Run, Until};
-use hapdef_cli::SceneArgs;
 use hapdef_report::{MetricLog, Report, write_report, write_text};
 
 use self::ablation_table::Ablations;
 pub(crate) use self::cli::Cli;
-use self::cli::{CheckResultsArgs, Command, GoldenArgs, ReproArgs};
+use self::cli::{CheckResultsArgs, Command, GoldenArgs, ReportArgs, ReproArgs};
 use self::made::Made;
 use crate::report::{Golden, check_results, results_markdown};
 use crate::tables::table1_claims;
@@ -71,7 +70,7 @@ fn repro(args: &ReproArgs) -> Result<()> {
         true => Extent::Tables,
         false => Extent::Everything,
     };
-    let report = report(&args.scene, extent)?;
+    let report = report(&args.run, extent)?;
     if let Some(path) = &args.results {
         write_text(path, &results_markdown(&report))?;
     }
@@ -83,7 +82,7 @@ fn repro(args: &ReproArgs) -> Result<()> {
 }
 
 fn check_results_page(args: &CheckResultsArgs) -> Result<()> {
-    let run = args.scene.prepare()?;
+    let run = args.training.prepare(&args.scene)?;
     let report = serde_json::from_str(&read(&args.report)?).context("the report")?;
     let page = read(&args.results)?;
     check_results(&page, &report, &facts::amounts(&run))?;
@@ -106,17 +105,17 @@ fn golden(args: &GoldenArgs) -> Result<()> {
     Ok(())
 }
 
-fn report(args: &SceneArgs, extent: Extent) -> Result<Report> {
+fn report(args: &ReportArgs, extent: Extent) -> Result<Report> {
     let start = Instant::now();
-    let run = args.prepare()?;
+    let run = args.training.prepare(&args.scene)?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let done = Pipeline::run(&run, &limb, Until::Eval)?;
     let made = Made::of(&run, &limb, &done, extent == Extent::Everything)?;
     let (report, log) = assemble(&made, extent, start)?;
-    let folder = args.out.join(&run.scene.name).join("report");
+    let folder = args.scene.out.join(&run.scene.name).join("report");
     let paths = write_report(&folder, &report)?;
     figures::write_surface(&folder.join("rigidity.glb"), &limb, &done)?;
-    log.append_to(&args.out.join("metrics.json"))?;
+    log.append_to(&args.scene.out.join("metrics.json"))?;
     summary::print(&report);
     for path in paths.iter().rev().take(3) {
         println!("{}", path.display());

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use hapdef_bench::{terminal_table, text_table};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, TrainingArgs};
 use hapdef_report::write_text;
 
 use super::data::MethodData;
@@ -15,12 +15,14 @@ pub(crate) struct CompareArgs {
     #[command(flatten)]
     scene: SceneArgs,
     #[command(flatten)]
+    training: TrainingArgs,
+    #[command(flatten)]
     patch: PatchArg,
 }
 
 /// Fits every searched method with both settings, with the budget of its trials, and scores them.
 pub(crate) fn compare(args: &CompareArgs) -> Result<()> {
-    let prepared = prepare(&args.scene, args.patch)?;
+    let prepared = prepare(&args.scene, &args.training, args.patch)?;
     let header = ["method", "settings", "from", "trials", "tested on", "error", "force, N"];
     let mut rows = Vec::new();
     for method in SearchMethod::ALL {
@@ -60,7 +62,7 @@ fn scored(
 ) -> Result<Vec<[String; 7]>> {
     let run = &prepared.run;
     run.say(&format!("{} with the settings of the {from}", method.name()));
-    let learner = method.learner(values, &budget(&args.scene, run, method))?;
+    let learner = method.learner(values, &budget(&args.training, run, method))?;
     let fitted = data.fit(&learner, values, &|| run.stopping())?;
     let row = |(name, rows): &(String, crate::run::dataset::Rows)| {
         let error = data.error(&fitted, values, rows)?;

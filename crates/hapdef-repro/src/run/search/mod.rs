@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use hapdef::{HapdefError, Limb, Pipeline, Run, Until};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, TrainingArgs};
 use hapdef_report::write_text;
 
 use self::data::MethodData;
@@ -34,6 +34,8 @@ const SMALL_STEPS: usize = 1500;
 pub(crate) struct SearchArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    training: TrainingArgs,
     /// The method: f_r, f_t, direct, lr, knn, svr.
     #[arg(long, default_value = "f_r")]
     method: SearchMethod,
@@ -85,10 +87,10 @@ pub(crate) struct Prepared {
 
 /// Runs the trials that are missing.
 pub(crate) fn search(args: &SearchArgs) -> Result<()> {
-    let prepared = prepare(&args.scene, args.patch)?;
+    let prepared = prepare(&args.scene, &args.training, args.patch)?;
     let (run, method) = (&prepared.run, args.method);
     let data = MethodData::load(method, &prepared, false)?;
-    let budget = budget(&args.scene, run, method);
+    let budget = budget(&args.training, run, method);
     let folder = folder(&args.scene, run, method);
     let path = folder.join(args.shard.file_name());
     let header = header(&prepared, method, &budget, &data)?;
@@ -133,8 +135,12 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<()> {
 }
 
 /// The datasets of a scene whose patches have `max_patch` virtual gauges.
-pub(crate) fn prepare(args: &SceneArgs, patch: PatchArg) -> Result<Prepared> {
-    let mut run = args.prepare()?;
+pub(crate) fn prepare(
+    scene: &SceneArgs,
+    training: &TrainingArgs,
+    patch: PatchArg,
+) -> Result<Prepared> {
+    let mut run = training.prepare(scene)?;
     run.scene.gauges.patch_nodes = patch.max_patch;
     run.set_seed(run.scene.seed)?;
     let limb = Limb::load(&run.scene, &run.scene_dir).with_context(|| {
@@ -145,7 +151,7 @@ pub(crate) fn prepare(args: &SceneArgs, patch: PatchArg) -> Result<Prepared> {
 }
 
 /// What a trial may spend.
-pub(crate) fn budget(args: &SceneArgs, run: &Run, method: SearchMethod) -> TrialBudget {
+pub(crate) fn budget(args: &TrainingArgs, run: &Run, method: SearchMethod) -> TrialBudget {
     let steps = match method {
         SearchMethod::Reconstruction => args.steps.unwrap_or(MAP_STEPS),
         _ => args.other_steps.unwrap_or(SMALL_STEPS),
