@@ -131,7 +131,7 @@ impl Served {
         let mut command = Command::new(release_binary("hapdef")?);
         command.arg("live").arg(scene.unwrap_or(&bundled));
         command.args(["--sim", "--view", "--view-port", "0"]);
-        command.arg("--out").arg(results());
+        command.arg("--results").arg(results());
         command.stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().with_context(|| format!("starting {}", shown(&command)))?;
         let url = child.stderr.take().and_then(page_address);

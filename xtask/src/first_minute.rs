@@ -29,7 +29,7 @@ pub(crate) fn check() -> Result<()> {
     }
     let opener = release_example("view_shot")?;
     let mut command = live_command(None, None, Some(opener))?;
-    command.args(["--view-port", "0", "--out"]).arg(&out);
+    command.args(["--view-port", "0", "--results"]).arg(&out);
     into_results(&mut command).stdout(Stdio::piped());
     let child = command.spawn();
     let mut program = Running(child.with_context(|| format!("starting {}", shown(&command)))?);

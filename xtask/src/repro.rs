@@ -72,7 +72,7 @@ fn written(
             metrics.display()
         );
     }
-    let mut words = vec!["--results".into(), text];
+    let mut words = vec!["--page".into(), text];
     if !is_quick {
         words.extend(["--metrics".into(), metrics]);
     }
@@ -104,7 +104,7 @@ pub(crate) fn check_results(report: &Path) -> Result<()> {
         .arg(root().join("fixtures/shin/scene.json"))
         .args(["--profile", "full", "--report"])
         .arg(report)
-        .arg("--results")
+        .arg("--page")
         .arg(root().join("docs/results.md"));
     run(&mut command)
 }

@@ -81,7 +81,7 @@ fn scripts(args: &SoakArgs) -> Result<Command> {
         scenes.extend(deck.exists().then_some("fixtures/paper-shin/placed.json"));
     }
     command.args(scenes.into_iter().map(|scene| root().join(scene)));
-    command.args(["--seed", &args.seed.to_string(), "--out"]).arg(results()).arg("--metrics");
+    command.args(["--seed", &args.seed.to_string(), "--results"]).arg(results()).arg("--metrics");
     command.arg(results().join("metrics.json"));
     Ok(command)
 }

@@ -18,9 +18,9 @@ pub struct SceneArgs {
     /// How much to make: `quick` for minutes, `full` for the paper's amounts of data.
     #[arg(long, default_value = "full")]
     pub profile: ProfileName,
-    /// Folder for everything that is written.
+    /// Folder of results: stages that are kept and not run again, pages, figures, by the scene's name.
     #[arg(long, env = "HAPDEF_OUT", default_value = "target/hapdef")]
-    pub out: PathBuf,
+    pub results: PathBuf,
     /// Threads; results don't depend on it.
     #[arg(long, default_value_t = default_threads(), value_parser = at_least::<1>)]
     pub threads: usize,
@@ -56,7 +56,7 @@ impl SceneArgs {
             .build_global()
             .map_err(HapdefError::Threads)?;
         let progress = crate::on_stderr();
-        let mut run = Run::new(&self.scene, amounts, &self.out, self.threads, progress)?;
+        let mut run = Run::new(&self.scene, amounts, &self.results, self.threads, progress)?;
         if let Some(seed) = self.seed {
             run.set_seed(seed)?;
         }

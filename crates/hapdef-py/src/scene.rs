@@ -35,12 +35,12 @@ pub struct PyScene {
 impl PyScene {
     /// Reads a scene file and the limb that it names, and checks both.
     #[new]
-    #[pyo3(signature = (path, *, out = None, threads = None, seed = None, profile = "quick", amounts = None, verbose = false))]
+    #[pyo3(signature = (path, *, results = None, threads = None, seed = None, profile = "quick", amounts = None, verbose = false))]
     #[expect(clippy::too_many_arguments, reason = "named in Python")]
     fn new(
         py: Python<'_>,
         path: PathBuf,
-        out: Option<PathBuf>,
+        results: Option<PathBuf>,
         threads: Option<usize>,
         seed: Option<u64>,
         profile: &str,
@@ -50,7 +50,7 @@ impl PyScene {
         let defaults = OpenParams::default();
         let params = OpenParams {
             profile: profile::profile_of(profile, amounts)?,
-            out: out.unwrap_or(defaults.out),
+            results: results.unwrap_or(defaults.results),
             threads: threads.unwrap_or(defaults.threads).max(1),
             seed,
             progress: if verbose { Progress::lines() } else { Progress::silent() },

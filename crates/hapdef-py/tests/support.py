@@ -22,7 +22,7 @@ THREADS = 2
 
 def placed(**more):
     """The bundled limb with its gauges placed, contacts by superposition."""
-    return hapdef.Scene(PLACED, out=OUT, threads=THREADS, **more)
+    return hapdef.Scene(PLACED, results=OUT, threads=THREADS, **more)
 
 
 def program(*words):

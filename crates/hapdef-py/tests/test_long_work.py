@@ -75,7 +75,7 @@ class Training(unittest.TestCase):
             "sensitivity": few,
             "direct": few,
         }
-        cls.scene = hapdef.Scene(SHIN, out=OUT, threads=THREADS, amounts=amounts)
+        cls.scene = hapdef.Scene(SHIN, results=OUT, threads=THREADS, amounts=amounts)
         cls.records = cls.scene.train()
 
     def test_stages_are_told_and_kept(self):

@@ -165,7 +165,9 @@ pub enum HapdefError {
          in metres and in the same place?"
     )]
     NothingToPress { n_places: usize },
-    #[error("{path}: {source}; check the disk's space and rights, or run again with another --out")]
+    #[error(
+        "{path}: {source}; check the disk's space and rights, or run again with another --results"
+    )]
     File { path: PathBuf, source: std::io::Error },
     #[error("{path}: {what}; delete it and run again")]
     Stale { path: PathBuf, what: String },

@@ -31,8 +31,8 @@ pub struct OpenScene {
 pub struct OpenParams {
     /// Amounts of data and training, where the paper's nets are wanted.
     pub profile: Profile,
-    /// Folder for everything that is written, the cache in it.
-    pub out: PathBuf,
+    /// Folder of results, the cache in it.
+    pub results: PathBuf,
     /// Threads of solves; results don't depend on it.
     pub threads: usize,
     /// Seed of the training side instead of the scene's.
@@ -53,7 +53,7 @@ impl Default for OpenParams {
     fn default() -> Self {
         Self {
             profile: Profile::quick(),
-            out: PathBuf::from("target/hapdef"),
+            results: PathBuf::from("target/hapdef"),
             threads: std::thread::available_parallelism().map_or(1, Into::into),
             seed: None,
             progress: Progress::silent(),
@@ -78,8 +78,8 @@ impl OpenScene {
     /// # Errors
     /// [`HapdefError::Scene`] when the scene is refused, or what [`Limb::load`] returns.
     pub fn with_params(path: &Path, params: OpenParams) -> Result<Self, HapdefError> {
-        let OpenParams { profile, out, threads, seed, progress } = params;
-        let mut run = Run::new(path, profile, &out, threads, progress)?;
+        let OpenParams { profile, results, threads, seed, progress } = params;
+        let mut run = Run::new(path, profile, &results, threads, progress)?;
         if let Some(seed) = seed {
             run.set_seed(seed)?;
         }

@@ -38,7 +38,7 @@ impl Touch {
         let file = file.canonicalize().with_context(|| format!("reading {}", file.display()))?;
         let start = Instant::now();
         let file = file.to_string_lossy();
-        printed(program, folder, &["new", &file, "--folder", "limb", "--replace", "--yes"])?;
+        printed(program, folder, &["new", &file, "--out", "limb", "--replace", "--yes"])?;
         let new_s = start.elapsed().as_secs_f64();
         let text = printed(program, folder, &["demo", "limb", "--json"])?;
         let found: Value = serde_json::from_str(&text).context("what hapdef demo prints")?;

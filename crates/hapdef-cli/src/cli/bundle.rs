@@ -25,8 +25,8 @@ pub(crate) struct BundleArgs {
     #[command(flatten)]
     training: TrainingArgs,
     /// The file to write.
-    #[arg(short = 'o', long)]
-    bundle: PathBuf,
+    #[arg(short, long, alias = "bundle", value_name = "FILE")]
+    out: PathBuf,
     /// Add what may change the response, with that many stiffness modes of the limb, for a
     /// calibration on the robot; takes a solve for each mode and gauge.
     #[arg(long, value_name = "N")]
@@ -47,14 +47,14 @@ pub(crate) fn run(args: &BundleArgs) -> Result<()> {
     let request = BundleRequest { n_stiffness: args.modes, has_nets: args.nets };
     let bundle = make_bundle(&run, &limb, text, &request)?;
     let bytes = bundle.to_bytes()?;
-    atomic_write(&args.bundle, |file| file.write_all(&bytes))
-        .with_context(|| format!("writing {}", shown(&args.bundle)))?;
+    atomic_write(&args.out, |file| file.write_all(&bytes))
+        .with_context(|| format!("writing {}", shown(&args.out)))?;
     if args.json {
         print_json(&as_json(&bundle, bytes.len()), false)?;
     } else {
         println!(
             "{}: {} gauges, {} skin nodes, {:.1} MB{}{}{}",
-            shown(&args.bundle),
+            shown(&args.out),
             bundle.info.gauges.len(),
             bundle.skin().n_nodes(),
             bytes.len() as f64 * 1e-6,

@@ -20,7 +20,7 @@ pub(crate) struct ExportArgs {
     #[command(flatten)]
     form: Form,
     /// Where to, a new file; standard output if nothing is named.
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 

@@ -60,7 +60,7 @@ pub(crate) fn run(args: &LimitsArgs) -> Result<()> {
         },
     };
     let report = limits(map, loads, &request)?;
-    let picture = args.scene.out.join(&run.scene.name).join("limits.glb");
+    let picture = args.scene.results.join(&run.scene.name).join("limits.glb");
     draw(&picture, &limb, &report, request.carried.usable_sd_m)?;
     let origin = pages::origin(&run, &LEFT_OUT)?;
     let mut figures = as_json(&limb, &request, &report);

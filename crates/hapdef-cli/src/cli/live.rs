@@ -173,7 +173,7 @@ impl Model {
             bail!("--sim: the simulated rig is made from a scene: give that instead of its bundle")
         };
         let gauges = bundle.info.gauges.iter();
-        let out = &args.scene.out;
+        let out = &args.scene.results;
         let view = || args.view.of_bundle(bundle, args.origin(), out);
         let view = args.view.is_wanted().then(view).transpose()?;
         if let Some(view) = &view {
@@ -194,7 +194,7 @@ impl Model {
         let run = args.training.prepare(&args.scene)?;
         let limb = Limb::load(&run.scene, &run.scene_dir)?;
         let kind = args.estimator.unwrap_or(run.scene.estimator.kind().in_stream());
-        let out = &args.scene.out;
+        let out = &args.scene.results;
         let view = || args.view.of_scene(&run, &limb, args.origin(), out);
         let view = args.view.is_wanted().then(view).transpose()?;
         let source = match &args.source {
@@ -301,7 +301,7 @@ impl LiveArgs {
                 false => || Box::new(StandardOutput),
             },
             metrics: std::env::var_os("HAPDEF_METRICS")
-                .map_or_else(|| self.scene.out.join("metrics.json"), std::path::PathBuf::from),
+                .map_or_else(|| self.scene.results.join("metrics.json"), std::path::PathBuf::from),
             seed: self.sim_seed,
         };
         let is_measured = self.view.is_first_measured();

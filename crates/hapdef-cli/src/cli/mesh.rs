@@ -32,7 +32,7 @@ pub(crate) struct MeshArgs {
     #[arg(long)]
     edge: Option<f64>,
     /// The volume mesh to write (.msh).
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
     /// The program gmsh, where it is not found by its name.
     #[arg(long, default_value = "gmsh")]

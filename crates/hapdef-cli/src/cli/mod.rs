@@ -60,7 +60,7 @@ use hapdef_cli::{SampleArgs, SceneArgs, TrainingArgs};
     version,
     after_help = "Examples:\n  \
     hapdef demo fixtures/shin/demo.json\n  \
-    hapdef new fixtures/shin/shin_skin.glb --folder my-limb\n  \
+    hapdef new fixtures/shin/shin_skin.glb -o my-limb\n  \
     hapdef live my-limb --sim --view\n  \
     hapdef inspect fixtures/shin/shin_skin.glb\n  \
     hapdef eval fixtures/shin/scene.json --profile quick\n\n\
@@ -239,7 +239,7 @@ mod help;
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
+    use clap::{CommandFactory, Parser};
 
     use super::{Cli, help};
 
@@ -260,13 +260,41 @@ mod tests {
         }
     }
 
+    /// Names of the commands that have an option.
+    fn with_option(name: &str) -> Vec<String> {
+        let command = Cli::command();
+        let has = |c: &&clap::Command| c.get_arguments().any(|a| a.get_long() == Some(name));
+        command.get_subcommands().filter(has).map(|c| c.get_name().to_owned()).collect()
+    }
+
+    #[test]
+    fn out_is_what_a_command_makes_and_short_is_the_same() {
+        let makers = [
+            "new", "shell", "wrap", "mesh", "place", "record", "recover", "export", "bundle", "man",
+        ];
+        assert_eq!(with_option("out"), makers);
+        for command in Cli::command().get_subcommands() {
+            let short = command.get_arguments().find(|arg| arg.get_short() == Some('o'));
+            let is_maker = makers.contains(&command.get_name());
+            assert_eq!(short.and_then(clap::Arg::get_long), is_maker.then_some("out"));
+        }
+        assert_eq!(with_option("results"), with_option("profile"));
+    }
+
+    #[test]
+    fn names_of_before_are_understood() {
+        for words in [
+            ["new", "a.stl", "--folder", "a"],
+            ["place", "scene.json", "--write", "b.json"],
+            ["bundle", "scene.json", "--bundle", "c.hapdef"],
+        ] {
+            let parsed = Cli::try_parse_from(std::iter::once("hapdef").chain(words));
+            assert!(parsed.is_ok(), "{words:?}: {:?}", parsed.err());
+        }
+    }
+
     #[test]
     fn only_what_may_train_nets_says_how() {
-        let command = Cli::command();
-        let has = |name: &str| -> Vec<&str> {
-            let has = |c: &&clap::Command| c.get_arguments().any(|a| a.get_long() == Some(name));
-            command.get_subcommands().filter(has).map(clap::Command::get_name).collect()
-        };
         let may_train = ["plan", "contacts", "bundle", "live", "train", "eval"];
         for name in [
             "steps",
@@ -279,9 +307,10 @@ mod tests {
             "backend",
             "other-steps",
         ] {
-            assert_eq!(has(name), may_train, "--{name}");
+            assert_eq!(with_option(name), may_train, "--{name}");
         }
         let makes_samples = ["plan", "contacts", "bundle", "live", "dataset", "train", "eval"];
-        assert_eq!((has("singles"), has("multis")), (makes_samples.into(), makes_samples.into()));
+        assert_eq!(with_option("singles"), makes_samples);
+        assert_eq!(with_option("multis"), makes_samples);
     }
 }

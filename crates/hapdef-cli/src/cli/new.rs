@@ -26,8 +26,8 @@ pub(crate) struct NewArgs {
     #[arg(long)]
     link: Option<String>,
     /// Folder to be made; that of the link's or the file's name when not given.
-    #[arg(long)]
-    folder: Option<PathBuf>,
+    #[arg(short, long, alias = "folder", value_name = "FOLDER")]
+    out: Option<PathBuf>,
     /// Make that folder anew if a limb is in it.
     #[arg(long)]
     replace: bool,
@@ -165,7 +165,7 @@ impl NewArgs {
         let name = self.file.file_name().unwrap_or_default().to_string_lossy();
         let stem = name.split('.').next().unwrap_or_default();
         let by_name = || PathBuf::from(self.link.as_deref().unwrap_or(stem));
-        self.folder.clone().unwrap_or_else(by_name)
+        self.out.clone().unwrap_or_else(by_name)
     }
 }
 

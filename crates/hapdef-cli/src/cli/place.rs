@@ -69,9 +69,9 @@ pub(crate) struct PlaceArgs {
     /// A ball that no gauge's centre may lie in: x,y,z,radius in m; may be given again.
     #[arg(long, value_parser = ball, allow_hyphen_values = true)]
     keep_out: Vec<(Point3<f64>, f64)>,
-    /// Write the scene with this layout, its contacts found by superposition, to a file beside it.
-    #[arg(long)]
-    write: Option<PathBuf>,
+    /// Write the scene with this layout, its contacts found by superposition, to this file beside it.
+    #[arg(short, long, alias = "write", value_name = "FILE")]
+    out: Option<PathBuf>,
     /// Print the study as JSON.
     #[arg(long)]
     json: bool,
@@ -102,7 +102,7 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
     };
     let study = study_layouts(&run, &limb, &params)?;
     let best = study.layouts.last().context("no layout was made")?;
-    let path = args.scene.out.join(&run.scene.name).join("gauges.json");
+    let path = args.scene.results.join(&run.scene.name).join("gauges.json");
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }
@@ -117,7 +117,7 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
     let mut page = page(&run, &limb, &params, &study)?;
     page.facts.extend(origin.facts());
     page.write(&page_file)?;
-    if let Some(path) = &args.write {
+    if let Some(path) = &args.out {
         write_scene(path, &run, best, args)?;
     }
     if args.json {
@@ -258,7 +258,7 @@ fn write_scene(path: &Path, run: &Run, layout: &ScoredLayout, args: &PlaceArgs) 
     let folder = |p: &Path| p.parent().unwrap_or(Path::new("")).canonicalize();
     ensure!(
         folder(path)? == folder(&args.scene.scene)?,
-        "--write {}: expected a file beside {}, whose paths are relative to its folder",
+        "--out {}: expected a file beside {}, whose paths are relative to its folder",
         shown(path),
         shown(&args.scene.scene)
     );

@@ -10,7 +10,7 @@ use hapdef_report::{MetricContext, MetricLog};
 #[derive(Args)]
 #[command(after_help = "Example:\n  hapdef plan fixtures/shin/scene.json --profile quick\n  \
     hapdef plan fixtures/shin/placed.json --presses 300 --measure\n\n\
-    Times are expected by what earlier runs in the same folder (--out) took, --measure included, and by \
+    Times are expected by what earlier runs in the same folder (--results) took, --measure included, and by \
     those of one machine where there are none.")]
 pub(crate) struct PlanArgs {
     #[command(flatten)]
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<()> {
     let rates = Rates::recorded(&run.cache, run.threads);
     let max_wall_m = limb.max_wall_m;
     let plan = plan(&run, &limb, &rates)?;
-    let mut plan = plan.with_shell_advice(&limb, max_wall_m, &args.scene.out)?;
+    let mut plan = plan.with_shell_advice(&limb, max_wall_m, &args.scene.results)?;
     if let Some(n_presses) = args.presses {
         plan = plan.with_calibration(&run, &limb, &rates, n_presses)?;
     }
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<()> {
         for step in &steps {
             log.value(&format!("plan.{}_time_ratio", step.word), step.ratio(), "1")?;
         }
-        log.append_to(&args.scene.out.join("metrics.json"))?;
+        log.append_to(&args.scene.results.join("metrics.json"))?;
     }
     Ok(())
 }

@@ -39,7 +39,7 @@ pub(crate) fn run(args: &PrintArgs) -> Result<()> {
         ..PrintParams::default()
     };
     let printed = print_limb(&run.scene, &limb, &params)?;
-    let out = args.scene.out.join(&run.scene.name).join("print");
+    let out = args.scene.results.join(&run.scene.name).join("print");
     std::fs::create_dir_all(&out).with_context(|| format!("making {}", shown(&out)))?;
     let stl = out.join("limb.stl");
     write_stl(&stl, &printed.body)?;

@@ -27,7 +27,7 @@ pub(crate) struct RecordArgs {
     #[command(flatten)]
     topic: TopicArgs,
     /// The recording.
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
     /// Stop after so many seconds.
     #[arg(long, value_parser = seconds)]

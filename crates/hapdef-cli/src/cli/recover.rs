@@ -20,7 +20,7 @@ pub(crate) struct RecoverArgs {
     /// The recording, damaged or unfinished.
     file: PathBuf,
     /// The new file; FILE.recovered.mcap if none is named.
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Print what was saved and lost as JSON.
     #[arg(long)]

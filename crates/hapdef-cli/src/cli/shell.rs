@@ -90,7 +90,7 @@ pub(crate) struct ShellArgs {
     #[arg(long, default_value_t = 2, value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     threads: usize,
     /// Folder for everything that is written; target/hapdef/<file> when not given.
-    #[arg(long)]
+    #[arg(short, long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]

@@ -16,7 +16,7 @@ fn calibrate(scene: &Path, table: &Path, result: &Path) -> Output {
         .arg("calibrate")
         .args([scene, table, result])
         .args(["--live", "virtual", "--presses", &N_PRESSES.to_string()])
-        .args(["--force-n", "15", "--json", "--out"])
+        .args(["--force-n", "15", "--json", "--results"])
         .arg(root.join("target/hapdef"))
         .output()
         .unwrap()

@@ -181,7 +181,7 @@ fn robots_limbs_become_limbs() {
             continue;
         };
         let folder = tempfile::tempdir().unwrap();
-        done(&["new", path.to_str().unwrap(), "--folder", "limb", "--yes"], folder.path());
+        done(&["new", path.to_str().unwrap(), "-o", "limb", "--yes"], folder.path());
         done(&["check", "limb"], folder.path());
         let misses = misses_m("limb", folder.path());
         let [median_mm, worst_mm] = [misses.len() / 2, misses.len() - 1].map(|i| misses[i] * 1e3);

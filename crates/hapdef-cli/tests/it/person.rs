@@ -145,7 +145,7 @@ fn only_presses_that_were_asked_for_are_kept() {
     let (n, force) = (N_PRESSES.to_string(), FORCE_N.to_string());
     let mut words = vec!["calibrate", scene, table, result, "--live", &board.source];
     words.extend(["--presses", &n, "--force-n", &force, "--json"]);
-    words.extend(["--out", kept.to_str().unwrap()]);
+    words.extend(["--results", kept.to_str().unwrap()]);
     let (status, reported) = converse(&words, |line| {
         if line.starts_with("solving") {
             finger.set(pressed(stray));

@@ -224,9 +224,9 @@ fn commands(folder: &Path) -> Vec<Vec<String>> {
         &["recover", "made.mcap", "-o", "r.mcap"],
         &["record", "--source", "replay:made.mcap@max", "-o", "again.mcap"],
         &["shell", "tube.glb", "--unit", "m", "--wall", "measured", "--gauges", "3", "--edge", "5"],
-        &["limits", &scene, "--out", out],
-        &["live", &scene, "--sim", "--seconds", "0.5", "--out", out],
-        &["live", &scene, "--sim", "--seconds", "0.5", "--json", "--out", out],
+        &["limits", &scene, "--results", out],
+        &["live", &scene, "--sim", "--seconds", "0.5", "--results", out],
+        &["live", &scene, "--sim", "--seconds", "0.5", "--json", "--results", out],
     ];
     commands.map(|words| words.iter().map(|word| (*word).to_owned()).collect()).into()
 }
@@ -281,7 +281,7 @@ fn a_broken_pipe_that_is_not_standard_output_is_an_error() {
     for words in [
         &["export", "made.mcap", "--csv", "-o", "pipe"][..],
         &["export", "made.mcap", "--jsonl", "-o", "pipe"],
-        &["live", scene, "--sim", "--seconds", "1.5", "--csv", "pipe", "--out", out],
+        &["live", scene, "--sim", "--seconds", "1.5", "--csv", "pipe", "--results", out],
     ] {
         let mut command = hapdef(words, folder);
         let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();

@@ -70,7 +70,7 @@ fn rig(link: &Path, truth: &Path, script: &Path, rate_hz: f64) -> Child {
         .args(["--link", text(link), "--truth", text(truth)])
         .args(["--script", text(script), "--seconds", &seconds])
         .args(["--rate-hz", &rate_hz.to_string()])
-        .arg("--out")
+        .arg("--results")
         .arg(root().join("target/hapdef"))
         .stdout(Stdio::piped())
         .spawn()

@@ -26,7 +26,7 @@ class Scene:
         cls,
         path: _Path,
         *,
-        out: Optional[_Path] = None,
+        results: Optional[_Path] = None,
         threads: Optional[int] = None,
         seed: Optional[int] = None,
         profile: Literal["quick", "full"] = "quick",
@@ -35,7 +35,7 @@ class Scene:
     ) -> "Scene":
         """Reads a scene file and the limb that it names, and checks both.
 
-        out: folder of the cache, ``target/hapdef`` if None.
+        results: folder of the cache, ``target/hapdef`` if None.
         threads: all cores if None; results don't depend on it.
         seed: of the training side, instead of the scene's.
         profile: how much to make and how long to train.

@@ -61,7 +61,7 @@ const REDUCED_ERROR: Metric<Vec<Point>> = Metric::all(
 /// Measures every variant and writes the report.
 pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
     let run = args.training.prepare(&args.scene)?;
-    let peers_folder = args.scene.out.join("frontier-nets-peers");
+    let peers_folder = args.scene.results.join("frontier-nets-peers");
     let Measured { done, points, missing } =
         measure(&run, args.rounds, Some((&args.python, &peers_folder)))?;
     let mut by_time: Vec<&Point> = points.iter().collect();
@@ -75,7 +75,7 @@ pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
         skipped: if peers.reason.is_empty() { vec![] } else { vec![peers] },
         ..facts::study(&run, "error against run time", run.scene.seed)?
     };
-    STUDY.publish(&points, report, &mut facts::log(run.scene.seed), &args.scene.out)?;
+    STUDY.publish(&points, report, &mut facts::log(run.scene.seed), &args.scene.results)?;
     Ok(())
 }
 

@@ -46,7 +46,7 @@ struct Chain {
 pub(super) fn run(args: &BenchNetsArgs, log: &mut MetricLog<std::io::Stdout>) -> Result<()> {
     let (rows, missing) = measure(args)?;
     println!("{}", terminal_table(&table(&COLUMNS, &rows)));
-    hapdef::write_json(&args.out.join("bench-nets-inference.json"), &rows)?;
+    hapdef::write_json(&args.results.join("bench-nets-inference.json"), &rows)?;
     log_metrics(log, &rows, &missing)
 }
 
@@ -60,7 +60,7 @@ fn measure(args: &BenchNetsArgs) -> Result<(Vec<Row>, String)> {
     transfer.forward(&x, &mut scratch, &mut s)?;
     reconstruction.forward(&s, &mut scratch, &mut y)?;
     let mut paths = paths([&transfer, &reconstruction], args.seed, &x, &y)?;
-    let folder = args.out.join("bench-nets-peers");
+    let folder = args.results.join("bench-nets-peers");
     let nets = [&transfer, &reconstruction];
     let (mut peers, missing) = Peers::if_there(&args.python, &folder, nets, &x, &y);
     let mut plain = Times::default();

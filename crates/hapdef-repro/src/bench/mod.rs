@@ -31,9 +31,9 @@ pub(crate) struct BenchNetsArgs {
     /// The scene whose nets are reduced; trained if they are not there.
     #[arg(long, default_value = "fixtures/shin/scene.json")]
     pub(crate) scene: PathBuf,
-    /// Folder for everything that is written.
+    /// Folder of results: stages that are kept and not run again, tables, figures.
     #[arg(long, env = "HAPDEF_OUT", default_value = "target/hapdef")]
-    pub(crate) out: PathBuf,
+    pub(crate) results: PathBuf,
     /// Draws the random weights.
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
@@ -66,7 +66,7 @@ pub(crate) fn run(args: &BenchNetsArgs) -> Result<()> {
         }
     }
     training::training(&args.python, &mut log)?;
-    Ok(log.append_to(&args.out.join("metrics.json"))?)
+    Ok(log.append_to(&args.results.join("metrics.json"))?)
 }
 
 /// Every variant of the scene's nets.
@@ -77,6 +77,6 @@ fn reduced(args: &BenchNetsArgs) -> Result<Vec<measure::Point>> {
         false => Profile::quick(),
     };
     let progress = hapdef_cli::on_stderr();
-    let run = Run::new(&args.scene, profile, &args.out, threads, progress)?;
+    let run = Run::new(&args.scene, profile, &args.results, threads, progress)?;
     Ok(measure::measure(&run, args.rounds.min(20), None)?.points)
 }

@@ -71,7 +71,7 @@ pub(crate) fn run(args: &BenchInverseArgs) -> Result<()> {
     let per_frame = tracked.n_allocations as f64 / times.len() as f64;
     log.value("inverse.allocs_per_frame", per_frame, "1")?;
     println!("{} frames, {} full searches on a second thread", times.len(), tracked.n_searches);
-    Ok(log.append_to(&args.scene.out.join("metrics.json"))?)
+    Ok(log.append_to(&args.scene.results.join("metrics.json"))?)
 }
 
 /// An estimator on a map that is taken to be as near as after a calibration, under white noise.

@@ -97,7 +97,7 @@ pub(super) fn diagnose(bench: &mut Bench<'_>) -> Result<()> {
         ..facts::study(bench.run, "why frames are not clean", bench.args.test_seed)?
     };
     let log = &mut facts::log(bench.args.test_seed);
-    STUDY.publish(&rows, report, log, &bench.args.scene.out)?;
+    STUDY.publish(&rows, report, log, &bench.args.scene.results)?;
     Ok(())
 }
 

@@ -126,7 +126,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
         figures: figures(&points)?,
         ..facts::study(&run, "search effort against error", args.test_seed)?
     };
-    STUDY.publish(&points, report, &mut facts::log(args.test_seed), &args.scene.out)?;
+    STUDY.publish(&points, report, &mut facts::log(args.test_seed), &args.scene.results)?;
     Ok(())
 }
 

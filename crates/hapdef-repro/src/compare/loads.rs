@@ -157,7 +157,7 @@ pub(super) fn loads(bench: &mut Bench<'_>) -> Result<()> {
         tables: vec![page_table(title, NOTE, table(&COLUMNS, &rows), &rows)?],
         ..facts::study(bench.run, "contacts beside loads", bench.args.test_seed)?
     };
-    STUDY.publish(&rows, report, &mut facts::log(bench.args.test_seed), &bench.args.scene.out)?;
+    STUDY.publish(&rows, report, &mut facts::log(bench.args.test_seed), &bench.args.scene.results)?;
     Ok(())
 }
 

@@ -49,7 +49,7 @@ pub(super) fn publish(bench: &Bench<'_>, measured: &Measured) -> Result<()> {
         skipped: skipped(bench),
         ..study
     };
-    STUDY.publish(measured, report, &mut facts::log(seed), &bench.args.scene.out)?;
+    STUDY.publish(measured, report, &mut facts::log(seed), &bench.args.scene.results)?;
     Ok(())
 }
 

@@ -118,7 +118,7 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
         return limits::check(path, args, &run, &limb);
     }
     let mut lab = Lab::build(&run, &limb, args.test_seed, args.frames.get())?;
-    let folder = args.scene.out.join(&run.scene.name);
+    let folder = args.scene.results.join(&run.scene.name);
     let skips = skips::measure(&mut lab, &folder.join("frontier-design"))?;
     let planned = match args.without_nets {
         true => Vec::new(),

@@ -26,7 +26,7 @@ pub(super) fn write(args: &ChainFrontierArgs, run: &Run, measured: &Measured) ->
         skipped: skipped(args, measured),
         ..study
     };
-    let report = STUDY.publish(measured, report, &mut log, &args.scene.out)?;
+    let report = STUDY.publish(measured, report, &mut log, &args.scene.results)?;
     match &args.write {
         Some(path) => limits::write(path, args, run, &report, &measured.points),
         None => Ok(()),

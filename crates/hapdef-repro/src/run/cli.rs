@@ -102,7 +102,7 @@ pub(super) enum Command {
     /// Fails where the results page of a full run is not about what the code makes now.
     #[command(
         after_help = "Example:\n  hapdef-repro check-results fixtures/shin/scene.json --report \
-        target/hapdef/shin/report/report.json --results docs/results.md"
+        target/hapdef/shin/report/report.json --page docs/results.md"
     )]
     CheckResults(CheckResultsArgs),
 }
@@ -120,8 +120,8 @@ pub(super) struct ReproArgs {
     #[command(flatten)]
     pub(super) run: ReportArgs,
     /// Also writes the tables and verdicts to this Markdown file.
-    #[arg(long)]
-    pub(super) results: Option<PathBuf>,
+    #[arg(long, value_name = "FILE")]
+    pub(super) page: Option<PathBuf>,
     /// Also writes the metrics to this JSON file.
     #[arg(long)]
     pub(super) metrics: Option<PathBuf>,
@@ -153,7 +153,7 @@ pub(super) struct CheckResultsArgs {
     pub(super) report: PathBuf,
     /// The page.
     #[arg(long)]
-    pub(super) results: PathBuf,
+    pub(super) page: PathBuf,
 }
 
 #[cfg(test)]

@@ -71,7 +71,7 @@ fn repro(args: &ReproArgs) -> Result<()> {
         false => Extent::Everything,
     };
     let report = report(&args.run, extent)?;
-    if let Some(path) = &args.results {
+    if let Some(path) = &args.page {
         write_text(path, &results_markdown(&report))?;
     }
     if let Some(path) = &args.metrics {
@@ -84,9 +84,9 @@ fn repro(args: &ReproArgs) -> Result<()> {
 fn check_results_page(args: &CheckResultsArgs) -> Result<()> {
     let run = args.training.prepare(&args.scene)?;
     let report = serde_json::from_str(&read(&args.report)?).context("the report")?;
-    let page = read(&args.results)?;
+    let page = read(&args.page)?;
     check_results(&page, &report, &facts::amounts(&run))?;
-    println!("{} is about what the code makes", args.results.display());
+    println!("{} is about what the code makes", args.page.display());
     Ok(())
 }
 
@@ -112,10 +112,10 @@ fn report(args: &ReportArgs, extent: Extent) -> Result<Report> {
     let done = Pipeline::run(&run, &limb, Until::Eval)?;
     let made = Made::of(&run, &limb, &done, extent == Extent::Everything)?;
     let (report, log) = assemble(&made, extent, start)?;
-    let folder = args.scene.out.join(&run.scene.name).join("report");
+    let folder = args.scene.results.join(&run.scene.name).join("report");
     let paths = write_report(&folder, &report)?;
     figures::write_surface(&folder.join("rigidity.glb"), &limb, &done)?;
-    log.append_to(&args.scene.out.join("metrics.json"))?;
+    log.append_to(&args.scene.results.join("metrics.json"))?;
     summary::print(&report);
     for path in paths.iter().rev().take(3) {
         println!("{}", path.display());

@@ -6,7 +6,7 @@ use std::process::Command;
 fn every_metric_is_there_without_python() {
     let folder = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_hapdef-repro"))
-        .args(["bench-nets", "--skip-trained", "--rounds", "1", "--out"])
+        .args(["bench-nets", "--skip-trained", "--rounds", "1", "--results"])
         .arg(folder.path())
         .args(["--python", "/no/such/python"])
         .output()

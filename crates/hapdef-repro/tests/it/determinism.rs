@@ -38,7 +38,7 @@ fn results(scene: &Path, threads: &str) -> BTreeMap<PathBuf, Vec<u8>> {
         .args(["--profile", "quick", "--singles", "100", "--multis", "50"])
         .args(["--steps", "3", "--other-steps", "20", "--seed", "7"])
         .args(["--output-modes", "16", "--output-scale", "one"])
-        .args(["--threads", threads, "--out"])
+        .args(["--threads", threads, "--results"])
         .arg(out.path())
         .env("RAYON_NUM_THREADS", threads)
         .output()

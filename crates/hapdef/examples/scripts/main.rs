@@ -48,9 +48,9 @@ struct Args {
     /// Prints each script's figures, too.
     #[arg(long)]
     verbose: bool,
-    /// Folder of the cache.
+    /// Folder of results, the cache in it.
     #[arg(long, default_value = "target/hapdef")]
-    out: PathBuf,
+    results: PathBuf,
     /// Figures are added to this file.
     #[arg(long)]
     metrics: Option<PathBuf>,
@@ -58,7 +58,7 @@ struct Args {
 
 fn main() {
     let args = Args::parse();
-    let limbs: Vec<Limb> = args.scenes.iter().map(|scene| opened(scene, &args.out)).collect();
+    let limbs: Vec<Limb> = args.scenes.iter().map(|scene| opened(scene, &args.results)).collect();
     let (mut all, mut worst_pct) = (Seen::default(), 0.0_f64);
     for limb in &limbs {
         let seen = pressed(limb, &args);
@@ -83,8 +83,8 @@ fn main() {
     metrics::report(&figures, args.seed, args.metrics.as_deref());
 }
 
-fn opened(scene: &Path, out: &Path) -> Limb {
-    let params = OpenParams { out: out.to_owned(), ..OpenParams::default() };
+fn opened(scene: &Path, results: &Path) -> Limb {
+    let params = OpenParams { results: results.to_owned(), ..OpenParams::default() };
     let shown = scene.display();
     let scene = OpenScene::with_params(scene, params).unwrap_or_else(|e| panic!("{shown}: {e}"));
     Limb::new(scene)

@@ -45,7 +45,7 @@ impl NewLimb {
     ) -> Result<NewLimbFiles, HapdefError> {
         let is_limb = folder.join(SCENE).is_file();
         if folder.exists() && !(replaces && is_limb) {
-            let what = "it is there already: name another one by --folder, or make a limb's folder anew by \
+            let what = "it is there already: name another one by --out, or make a limb's folder anew by \
                         --replace";
             return Err(HapdefError::NewLimb { path: folder.into(), what: what.into() });
         }

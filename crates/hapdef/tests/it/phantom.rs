@@ -28,7 +28,7 @@ fn the_recorded_phantom_is_the_press_that_it_was() {
         return;
     };
     let out = tempfile::tempdir().unwrap();
-    let params = OpenParams { out: out.path().to_owned(), threads: 2, ..OpenParams::default() };
+    let params = OpenParams { results: out.path().to_owned(), threads: 2, ..OpenParams::default() };
     let demo = here.join("../../fixtures/shin/demo.json");
     let scene = OpenScene::with_params(&demo, params).unwrap();
     let mut tracker = scene.solve().unwrap().tracker(SearchPlace::Here).unwrap();

@@ -76,7 +76,8 @@ fn written(folder: &Path, edge_m: f64, scene: &Value) -> std::path::PathBuf {
 fn opened(folder: &Path, edge_m: f64, scene: &Value) -> OpenScene {
     let path = written(folder, edge_m, scene);
     let out = folder.join("out");
-    OpenScene::with_params(&path, OpenParams { out, threads: 2, ..OpenParams::default() }).unwrap()
+    OpenScene::with_params(&path, OpenParams { results: out, threads: 2, ..OpenParams::default() })
+        .unwrap()
 }
 
 /// Rows of the map against the directions of contacts `[n_nodes][n_gauges]`, µε/N.

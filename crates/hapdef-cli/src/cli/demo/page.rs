@@ -98,7 +98,7 @@ pub(super) fn write(
         hashes: origin.hashes,
         ..Report::default()
     };
-    let paths = write_report(&args.scene.out.join(&run.scene.name).join("demo"), &report)?;
+    let paths = write_report(&args.scene.results.join(&run.scene.name).join("demo"), &report)?;
     paths.into_iter().next_back().context("the page's path")
 }
 

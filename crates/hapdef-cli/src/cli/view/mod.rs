@@ -58,7 +58,7 @@ pub(crate) struct ViewArgs {
     /// is served at every address, such as 0.0.0.0.
     #[arg(long = "view-host", value_name = "NAME", requires = "view")]
     view_hosts: Vec<String>,
-    /// Folder for recordings and snapshots that the page asks for; OUT/<scene>/live if not given.
+    /// Folder for recordings and snapshots that the page asks for; RESULTS/<scene>/live if not given.
     #[arg(long, value_name = "FOLDER", requires = "view")]
     view_out: Option<PathBuf>,
     /// Program that is started with a file that leads to the page, such as xdg-open.

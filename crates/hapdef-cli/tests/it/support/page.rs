@@ -104,7 +104,7 @@ impl Program {
         let mut child = command
             .arg("live")
             .arg(scene)
-            .args(["--view", "--view-port", &port.to_string(), "--out"])
+            .args(["--view", "--view-port", &port.to_string(), "--results"])
             .arg(out)
             .args(words)
             .env("HAPDEF_VIEW_TOKEN", TOKEN)

@@ -47,7 +47,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<()> {
          budget of its trials. Error: µm of map or virtual gauges, mm of contacts.\n\n{}",
         table.to_markdown()
     );
-    let path = args.scene.out.join(&prepared.run.scene.name).join("search/comparison.md");
+    let path = args.scene.results.join(&prepared.run.scene.name).join("search/comparison.md");
     write_text(&path, &text)?;
     println!("{}\n{}", terminal_table(&table), path.display());
     Ok(())

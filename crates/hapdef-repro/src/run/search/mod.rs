@@ -161,7 +161,7 @@ pub(crate) fn budget(args: &TrainingArgs, run: &Run, method: SearchMethod) -> Tr
 
 /// Where a method's search lies.
 pub(crate) fn folder(args: &SceneArgs, run: &Run, method: SearchMethod) -> PathBuf {
-    args.out.join(&run.scene.name).join("search").join(method.name())
+    args.results.join(&run.scene.name).join("search").join(method.name())
 }
 
 /// What a method's trials rest on.
