@@ -8,8 +8,8 @@ use std::time::Instant;
 use crate::test::Tests;
 use crate::tool::{cargo, metadata, results, root, run, run_quietly, shown};
 use crate::{
-    docs, first_minute, fixtures, frontier, fuzz, metrics, python, repro, robustness, soak, tidy,
-    verify, weight,
+    docs, first_minute, fixtures, frontier, fuzz, metrics, package, python, repro, robustness,
+    soak, tidy, verify, weight,
 };
 use anyhow::{Context, Result, bail};
 
@@ -43,6 +43,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
     steps.run("format", || run(&mut cargo(&["fmt", "--all", "--check"])))?;
     steps.run("tidy", tidy::run)?;
     steps.run("weight", weight::check_table)?;
+    steps.run("packages", package::check)?;
     let (tests, wheel) = beside(
         || {
             let tests = steps.run("build of the tests", || Tests::build(is_nightly))?;

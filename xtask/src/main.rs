@@ -17,6 +17,7 @@ mod limbs;
 mod live;
 #[path = "../../crates/hapdef-daq/examples/soak/metrics.rs"]
 mod metrics;
+mod package;
 mod pictures;
 mod pipeline;
 mod python;
@@ -122,6 +123,9 @@ enum Task {
     /// Runs the commands that the docs show.
     #[command(after_help = "Example:\n  cargo xtask docs")]
     Docs(docs::DocsArgs),
+    /// Checks that every crate can be published as it is.
+    #[command(after_help = "Example:\n  cargo xtask packages")]
+    Packages,
     /// Compares the tree with its own rules: layers, file lengths, leftovers, links of the docs.
     #[command(after_help = "Example:\n  cargo xtask tidy")]
     Tidy,
@@ -163,6 +167,7 @@ fn run(task: Task) -> Result<()> {
         Task::Python => python::check(),
         Task::Weight(args) => weight::run(&args),
         Task::Docs(args) => docs::run_some(&args),
+        Task::Packages => package::check(),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
     }
