@@ -16,7 +16,7 @@ use crate::tool::{root, run};
 const LEFT_OUT: [&str; 2] = ["cargo xtask test", "cargo xtask repro --quick --tables"];
 
 /// Commands that take long as they are shown, and what is run in their place.
-const SMALLER: [(&str, &str); 12] = [
+const SMALLER: [(&str, &str); 13] = [
     ("cargo xtask bench nets", "cargo xtask bench nets -- --skip-trained --rounds 2"),
     ("cargo xtask frontier nets --quick", "cargo xtask frontier nets --quick -- --rounds 1"),
     ("cargo bench --bench infer", "cargo bench --bench infer -- --test"),
@@ -24,6 +24,10 @@ const SMALLER: [(&str, &str); 12] = [
     (
         "cargo xtask compare -- --diagnose",
         "cargo xtask compare --quick -- --without-paper --frames 10 --scripts 10 --presses 300 --diagnose",
+    ),
+    (
+        "cargo xtask compare -- --without-paper --loads",
+        "cargo xtask compare --quick -- --without-paper --loads --frames 4 --presses 300",
     ),
     (
         "cargo xtask frontier inverse",

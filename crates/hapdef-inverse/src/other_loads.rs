@@ -59,6 +59,21 @@ impl OtherLoads {
         Ok(loads)
     }
 
+    /// The same with an error of the responses, `relative` to what all loads together do to each gauge and apart for
+    /// each: a load more for every gauge. Responses computed of a drawn limb are off by as much as its map.
+    #[must_use]
+    pub fn with_response_error(mut self, relative: f64, n_gauges: usize) -> Self {
+        let mut variance = vec![0.0; n_gauges];
+        for (row, sd) in self.rows(n_gauges).zip(&self.sd) {
+            variance.iter_mut().zip(row).for_each(|(sum, unit)| *sum += (sd * unit).powi(2));
+        }
+        for (gauge, variance) in variance.into_iter().enumerate().filter(|(_, v)| *v > 0.0) {
+            self.response.extend((0..n_gauges).map(|g| f64::from(u8::from(g == gauge))));
+            self.sd.push(relative * variance.sqrt());
+        }
+        self
+    }
+
     /// How many there are.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -190,6 +190,14 @@ impl OpenScene {
     pub fn rig_source(&self, play: &RigPlay) -> Result<Source, HapdefError> {
         Source::rig(play, &self.run, &self.limb)
     }
+
+    /// The same, touched by nothing.
+    ///
+    /// # Errors
+    /// As [`live_limb`].
+    pub fn untouched_source(&self, seconds: Option<f64>) -> Result<Source, HapdefError> {
+        Source::untouched_rig(seconds, &self.run, &self.limb)
+    }
 }
 
 impl SolvedLimb {

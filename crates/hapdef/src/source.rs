@@ -7,7 +7,7 @@ use std::time::Duration;
 use hapdef_daq::source::{FrameSource, StreamParams, StreamSource};
 use hapdef_live::estimator::{SearchPlace, TouchEstimator};
 use hapdef_live::{Delivery, FnSink, Live, LiveFrame, LiveGauge, LiveParams, Wants};
-use hapdef_rig::live::{RigLink, RunParams};
+use hapdef_rig::live::{LiveLimb, PressScript, RigLink, RunParams};
 
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -69,12 +69,31 @@ impl Source {
     /// As [`live_limb`].
     pub fn rig(play: &RigPlay, run: &Run, limb: &Limb) -> Result<Self, HapdefError> {
         let real = Arc::new(live_limb(run, limb)?);
-        let params = VirtualRigParams {
-            script: Some(random_presses(&run.scene, &real, play.seed)),
-            ..VirtualRigParams::default()
-        };
+        let script = random_presses(&run.scene, &real, play.seed);
+        Self::played(Some(script), play.seconds, real, run)
+    }
+
+    /// The simulated rig, touched by nothing: its noise, and the loads of a scene that has some.
+    ///
+    /// # Errors
+    /// As [`live_limb`].
+    pub fn untouched_rig(
+        seconds: Option<f64>,
+        run: &Run,
+        limb: &Limb,
+    ) -> Result<Self, HapdefError> {
+        Self::played(None, seconds, Arc::new(live_limb(run, limb)?), run)
+    }
+
+    fn played(
+        script: Option<PressScript>,
+        duration_s: Option<f64>,
+        real: Arc<LiveLimb>,
+        run: &Run,
+    ) -> Result<Self, HapdefError> {
+        let params = VirtualRigParams { script, ..VirtualRigParams::default() };
         let device = virtual_device(&run.scene, real, &params)?;
-        let play = RunParams { duration_s: play.seconds, ..RunParams::default() };
+        let play = RunParams { duration_s, ..RunParams::default() };
         let link = RigLink::new(device, &play, |_| ())?;
         let clock = link.clock();
         let stream = StreamParams { clock: Arc::clone(&clock), ..StreamParams::default() };
@@ -122,18 +141,42 @@ impl Source {
         self,
         estimator: Box<dyn TouchEstimator>,
     ) -> Result<Contacts, HapdefError> {
+        self.start(Wants::ALL, Some(estimator))
+    }
+
+    /// Reads frames until the source ends or for `seconds`, as the gauges give them, not tared
+    /// `[n_frames][n_gauges]`, µε.
+    ///
+    /// # Errors
+    /// [`HapdefError::Live`] where gauges don't fit, or a thread can't be started.
+    pub fn raw_frames_ue(self, seconds: Option<f64>) -> Result<Vec<Vec<f64>>, HapdefError> {
+        let frames = self.start(Wants::RAW, None)?;
+        let mut begin_ns = None;
+        let is_in_time = |frame: &LiveFrame| {
+            let since_ns = frame.t_host_ns.saturating_sub(*begin_ns.get_or_insert(frame.t_host_ns));
+            seconds.is_none_or(|seconds| (since_ns as f64) < seconds * 1e9)
+        };
+        Ok(frames.take_while(is_in_time).map(|frame| frame.raw_ue).collect())
+    }
+
+    fn start(
+        self,
+        wants: Wants,
+        estimator: Option<Box<dyn TouchEstimator>>,
+    ) -> Result<Contacts, HapdefError> {
         let (sender, frames) = sync_channel(N_WAITING);
-        let sink = FnSink::new("contacts", Wants::ALL, move |frame: &LiveFrame| {
+        let sink = FnSink::new("contacts", wants, move |frame: &LiveFrame| {
             // Nobody looks any more when it was dropped.
             let _ = sender.send(frame.clone());
         });
-        let live = Live::boxed_builder(self.frames)
+        let mut live = Live::boxed_builder(self.frames)
             .params(self.params)
             .gauges(self.gauges)
-            .boxed_estimator(estimator)
-            .sink(sink.with_delivery(Delivery::Queue(N_WAITING)))
-            .start()?;
-        Ok(Contacts { frames, live })
+            .sink(sink.with_delivery(Delivery::Queue(N_WAITING)));
+        if let Some(estimator) = estimator {
+            live = live.boxed_estimator(estimator);
+        }
+        Ok(Contacts { frames, live: live.start()? })
     }
 }
 

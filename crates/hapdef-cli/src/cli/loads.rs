@@ -2,17 +2,21 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hapdef::touch::LearnedLoads;
+use hapdef::{Limb, Run, Source, SourceArg};
 use hapdef_cli::{SceneArgs, print_json, shown};
 
 use super::table::read_table;
 use super::topic::TopicArgs;
 
+/// Time for which the simulated rig moves, s.
+const SIM_S: f64 = 60.0;
+
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  hapdef loads my-limb untouched.csv --loads my-limb/loads.json\n\n\
+    after_help = "Example:\n  hapdef loads my-limb --source replay:moving.mcap@max -o my-limb/loads.json\n\n\
     Record while the robot moves as it will in use, with and without what it carries, and nothing touches the \
     limb; it stands still in the first fifth of a second. Then put \"loads\": {\"learned\": \"loads.json\"} into the \
     scene: contacts are found beside whatever moves the gauges so."
@@ -20,20 +24,31 @@ use super::topic::TopicArgs;
 pub(crate) struct LoadsArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Readings in µε, a column for each gauge: a table, or a recording with --topic.
-    table: PathBuf,
+    /// A table of readings in µε, a column for each gauge.
+    #[arg(required_unless_present_any = ["source", "sim"])]
+    table: Option<PathBuf>,
+    /// A device or a recording in place of a table: serial:DEV[@BAUD], tcp:HOST:PORT,
+    /// replay:FILE[@SPEED|@max].
+    #[arg(long, conflicts_with = "table")]
+    source: Option<SourceArg>,
+    /// The scene's simulated rig, moved by the scene's loads and touched by nothing.
+    #[arg(long, conflicts_with_all = ["table", "source"])]
+    sim: bool,
+    /// Read a source for so long, s; until it ends if absent. The rig moves for a minute.
+    #[arg(long, conflicts_with = "table")]
+    seconds: Option<f64>,
     /// File for the loads.
-    #[arg(long, value_name = "FILE", default_value = "loads.json")]
-    loads: PathBuf,
+    #[arg(short, long, value_name = "FILE", default_value = "loads.json")]
+    out: PathBuf,
     #[command(flatten)]
     topic: TopicArgs,
-    /// First frames, whose mean is the zero: the robot stands still.
+    /// First frames, in which the robot stands still: their mean is the zero.
     #[arg(long, default_value_t = 200)]
     tare_frames: usize,
     /// How many times as strong later loads may be.
     #[arg(long, default_value_t = 2.0)]
     margin: f64,
-    /// Standard deviation of a reading's noise, µε; the scene's if absent.
+    /// Standard deviation of a reading's noise at least, µε; the scene's if absent.
     #[arg(long)]
     noise_ue: Option<f64>,
     /// Print what was learned as JSON.
@@ -43,30 +58,45 @@ pub(crate) struct LoadsArgs {
 
 pub(crate) fn run(args: &LoadsArgs) -> Result<()> {
     let run = args.scene.prepare()?;
-    let names: Vec<&str> = run.scene.gauges.sites.iter().map(|site| site.name.as_str()).collect();
-    let rows = read_table(&args.table, &args.topic, &[], &names)?;
+    let (from, frames) = frames(args, &run)?;
     ensure!(
-        rows.len() > args.tare_frames && args.tare_frames > 0,
-        "{}: expected more than the {} frames of --tare-frames (1 or more), found {}",
-        shown(&args.table),
+        frames.len() > args.tare_frames && args.tare_frames > 0,
+        "{from}: expected more than the {} frames of --tare-frames (1 or more), found {}",
         args.tare_frames,
-        rows.len()
+        frames.len()
     );
-    let (still, moving) = rows.split_at(args.tare_frames);
-    let mean =
-        |gauge: usize| still.iter().map(|row| row.values[gauge]).sum::<f64>() / still.len() as f64;
-    let zero: Vec<f64> = (0..names.len()).map(mean).collect();
-    let tared = moving.iter().flat_map(|row| row.values.iter().zip(&zero).map(|(v, z)| v - z));
-    let tared: Vec<f64> = tared.collect();
     let noise_ue = args.noise_ue.unwrap_or(run.scene.estimator.superposition().noise_ue);
-    let learned = LearnedLoads::learn(&run.scene, &tared, noise_ue, args.margin)?;
-    learned.write(&args.loads)?;
+    let learned =
+        LearnedLoads::learn(&run.scene, &frames, args.tare_frames, noise_ue, args.margin)?;
+    learned.write(&args.out)?;
     if args.json {
         print_json(&learned, true)?;
     } else {
         print(args, &learned);
     }
     Ok(())
+}
+
+/// Where they come from, and the frames `[n_frames][n_gauges]`, µε.
+fn frames(args: &LoadsArgs, run: &Run) -> Result<(String, Vec<Vec<f64>>)> {
+    let scene = &run.scene;
+    if args.sim {
+        ensure!(
+            scene.loads.as_ref().is_some_and(|loads| !loads.loads().is_empty()),
+            "--sim: the scene's loads say of nothing that moves its rig; docs/scene.md lists them"
+        );
+        let limb = Limb::load(scene, &run.scene_dir)?;
+        let source = Source::untouched_rig(Some(args.seconds.unwrap_or(SIM_S)), run, &limb)?;
+        return Ok((source.name(), source.raw_frames_ue(None)?));
+    }
+    if let Some(source) = &args.source {
+        let source = Source::open(&args.topic.of(source)?, scene)?;
+        return Ok((source.name(), source.raw_frames_ue(args.seconds)?));
+    }
+    let table = args.table.as_deref().context("a table, --source or --sim")?;
+    let names: Vec<&str> = scene.gauges.sites.iter().map(|site| site.name.as_str()).collect();
+    let rows = read_table(table, &args.topic, &[], &names)?;
+    Ok((shown(table).to_string(), rows.into_iter().map(|row| row.values).collect()))
 }
 
 fn print(args: &LoadsArgs, learned: &LearnedLoads) {
@@ -78,6 +108,6 @@ fn print(args: &LoadsArgs, learned: &LearnedLoads) {
     println!(
         "{} numbers of a frame are left for contacts, of which each takes three\n{}",
         n - learned.sd.len(),
-        shown(&args.loads)
+        shown(&args.out)
     );
 }

@@ -2,7 +2,8 @@
 
 use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, kuhn_block};
 use hapdef_rig::{
-    GainParams, MisplacementParams, NominalLimb, RealLimb, RigError, RigParams, VariationParams,
+    GainParams, MisplacementParams, NominalLimb, NominalLoads, RealLimb, RigError, RigParams,
+    VariationParams,
 };
 use hapdef_sim::{
     ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,

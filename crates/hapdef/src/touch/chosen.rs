@@ -77,7 +77,8 @@ pub(super) fn calibrated_loads(run: &Run, limb: &Limb) -> Result<OtherLoads, Hap
         (Some(learned), _) => Ok(learned),
         (None, Some(spec)) => {
             run.say("solving the gauges' response to loads that are no contacts");
-            other_loads(limb, &limb.sites, &limb.gauges, spec, run.threads)
+            let error = run.scene.estimator.superposition().map_error;
+            other_loads(limb, &limb.sites, &limb.gauges, spec, error, run.threads)
         }
         (None, None) => Ok(OtherLoads::default()),
     }

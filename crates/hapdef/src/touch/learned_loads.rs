@@ -26,29 +26,39 @@ pub struct LearnedLoads {
     pub response_ue: Vec<f64>,
     /// Standard deviation of each load that is reckoned with `[n_loads]`, in those units.
     pub sd: Vec<f64>,
-    /// Standard deviation of a reading's noise that was assumed, µε.
-    pub noise_ue: f64,
+    /// Standard deviation of each gauge's noise from frame to frame, at least what was assumed `[n_gauges]`, µε.
+    pub noise_ue: Vec<f64>,
     /// Frames that they were learned from.
     pub n_frames: usize,
 }
 
 impl LearnedLoads {
-    /// Learns from tared frames in which nothing touches `[n_frames, n_gauges]`, µε; later loads may be `margin`
-    /// times as strong.
+    /// Learns from frames in which nothing touches `[n_frames][n_gauges]`, µε, of which the first `n_still` are
+    /// those of a robot that stands still: their mean is the zero. Noise and converter of each gauge are what
+    /// second differences from frame to frame show, which motion hardly has, at least `noise_ue`. Later loads may be
+    /// `margin` times as strong.
     ///
     /// # Errors
     /// [`HapdefError::Inverse`] for fewer frames than gauges or values that can't be used.
     pub fn learn(
         scene: &Scene,
-        frames_ue: &[f64],
+        frames_ue: &[Vec<f64>],
+        n_still: usize,
         noise_ue: f64,
         margin: f64,
     ) -> Result<Self, HapdefError> {
         let gauges: Vec<String> = scene.gauges.sites.iter().map(|site| site.name.clone()).collect();
-        let n_gauges = gauges.len();
-        let learned = OtherLoads::learned(frames_ue, &vec![noise_ue; n_gauges], margin)?;
-        let OtherLoads { response: response_ue, sd } = learned;
-        let n_frames = frames_ue.len() / n_gauges.max(1);
+        let (still, moving) = frames_ue.split_at(n_still.min(frames_ue.len()));
+        let n = still.len().max(1) as f64;
+        let of = |gauge: usize| still.iter().map(move |frame| frame[gauge]);
+        let zero: Vec<f64> = (0..gauges.len()).map(|g| of(g).sum::<f64>() / n).collect();
+        let noise = |g: usize| frame_noise_ue(moving, g).max(noise_ue);
+        let noise_ue: Vec<f64> = (0..gauges.len()).map(noise).collect();
+        let tared =
+            |frame: &Vec<f64>| frame.iter().zip(&zero).map(|(v, z)| v - z).collect::<Vec<_>>();
+        let tared: Vec<f64> = moving.iter().flat_map(tared).collect();
+        let OtherLoads { response, sd } = OtherLoads::learned(&tared, &noise_ue, margin)?;
+        let (n_frames, response_ue) = (moving.len(), response);
         Ok(Self { version: VERSION, gauges, response_ue, sd, noise_ue, n_frames })
     }
 
@@ -91,6 +101,14 @@ impl LearnedLoads {
         }
         Ok(read)
     }
+}
+
+/// Standard deviation of white noise behind the second differences of a gauge: their variance is six times its own. A
+/// motion of 1 Hz and 1,000 µε has second differences of 0.04 µε at 1 kHz, first ones of 6 µε.
+fn frame_noise_ue(frames_ue: &[Vec<f64>], gauge: usize) -> f64 {
+    let second = |w: &[Vec<f64>]| (w[0][gauge] - 2.0 * w[1][gauge] + w[2][gauge]).powi(2);
+    let n = frames_ue.len().saturating_sub(2).max(1) as f64;
+    (frames_ue.windows(3).map(second).sum::<f64>() / (6.0 * n)).sqrt()
 }
 
 impl From<LearnedLoads> for OtherLoads {

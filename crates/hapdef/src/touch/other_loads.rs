@@ -9,8 +9,8 @@ use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::scene::LoadsSpec;
 
-/// The loads of `spec` on a limb, µε per unit, for any `gauges` at `sites`: one factorisation and one adjoint solve for
-/// each gauge.
+/// The loads of `spec` on a limb, µε per unit, for any `gauges` at `sites`, whose responses are off by `relative_error`:
+/// one factorisation and one adjoint solve for each gauge.
 ///
 /// # Errors
 /// [`HapdefError::Sim`] when the limb can't be solved or its flange takes no wrench;
@@ -20,12 +20,13 @@ pub fn other_loads(
     sites: &[GaugeSite],
     gauges: &[GaugeStrain],
     spec: &LoadsSpec,
+    relative_error: f64,
     threads: usize,
 ) -> Result<OtherLoads, HapdefError> {
     let model = LimbModel::build(limb, threads)?;
     let gauges = model.gauges(sites, gauges)?;
     let (response, _) = model.response(&gauges)?;
-    of_response(&model, &gauges, &response, spec)
+    of_response(&model, &gauges, &response, spec, relative_error)
 }
 
 /// The same by the gauges' adjoint fields, µε per unit; a gauge that is not in the model
@@ -38,6 +39,7 @@ pub(super) fn of_response(
     gauges: &[ModelGauge],
     response: &GaugeResponse,
     spec: &LoadsSpec,
+    relative_error: f64,
 ) -> Result<OtherLoads, HapdefError> {
     let limb = model.limb.loaded(spec);
     let mut found = OtherLoads::default();
@@ -54,5 +56,5 @@ pub(super) fn of_response(
         found.response.extend(row);
         found.sd.push(sd);
     }
-    Ok(found)
+    Ok(found.with_response_error(relative_error, gauges.len()))
 }

@@ -41,7 +41,10 @@ pub fn response_with_loads(
     let (response, _) = model.response(&gauges)?;
     let loads = match (learned_loads(run)?, &run.scene.loads) {
         (Some(learned), _) => learned,
-        (None, Some(spec)) => other_loads::of_response(&model, &gauges, &response, spec)?,
+        (None, Some(spec)) => {
+            let error = run.scene.estimator.superposition().map_error;
+            other_loads::of_response(&model, &gauges, &response, spec, error)?
+        }
         (None, None) => OtherLoads::default(),
     };
     let skin = TouchedSkin::new(limb, run.scene.contact.tip_radius_m)?;

@@ -11,6 +11,7 @@ mod bundle_nets;
 mod demo_scene;
 mod examples;
 mod fuzz_short;
+mod moving;
 mod phantom;
 mod plan;
 mod print;

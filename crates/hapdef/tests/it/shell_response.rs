@@ -52,6 +52,7 @@ fn tube() -> Limb {
         boundary,
         skin,
         clamped,
+        flange: Vec::new(),
         axis: Axis { point_m: [0.0; 3], direction: [0.0, 0.0, 1.0] },
         max_wall_m: 0.003,
         sites,
