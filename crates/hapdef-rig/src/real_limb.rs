@@ -7,7 +7,7 @@ use hapdef_mesh::{
 };
 use hapdef_sim::{
     ElasticModel, ElasticParams, FactorInfo, GaugeResponse, LoadedLimb, NodalLoad, PressedSkin,
-    SolveInfo,
+    SolveInfo, Supports,
 };
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -76,6 +76,7 @@ impl RealLimb {
         let gauges = misplaced_gauges(&mesh, nominal, &params.misplacement)?;
         let elastic = ElasticParams {
             element_stiffness_scale: Some(stiffness_scale(&mesh, params)),
+            supports: Supports::of_rigid_body(&flange),
             n_threads,
             ..ElasticParams::new(nominal.material, clamped)
         };

@@ -62,10 +62,10 @@ impl WallShell {
         FeNodeId::from_index(found.unwrap_or_else(nearest))
     }
 
-    /// The shell's nodes under those of `clamped`, ascending.
-    pub(crate) fn clamped(&self, clamped: &[FeNodeId]) -> Vec<FeNodeId> {
-        let is_held = |i: &usize| clamped.binary_search(&self.outside[*i]).is_ok();
-        (0..self.outside.len()).filter(is_held).map(FeNodeId::from_index).collect()
+    /// The shell's nodes under those of `nodes` that are outside, ascending; `nodes` are ascending, too.
+    pub(crate) fn under_all(&self, nodes: &[FeNodeId]) -> Vec<FeNodeId> {
+        let is_one = |i: &usize| nodes.binary_search(&self.outside[*i]).is_ok();
+        (0..self.outside.len()).filter(is_one).map(FeNodeId::from_index).collect()
     }
 
     /// The gauge at a site on the solid's wall, inside or outside, of which `max_lost_share` may miss

@@ -65,29 +65,34 @@ pub(crate) fn run(args: &LimitsArgs) -> Result<()> {
     let origin = pages::origin(&run, &LEFT_OUT)?;
     let mut figures = as_json(&limb, &request, &report);
     figures["n_loads"] = json!(n_loads);
+    figures["single_median_unloaded_m"] = json!(report.unloaded_m.and_then(finite));
     let figures = origin.with(figures);
     write_json(&picture.with_extension("json"), &figures)?;
     let page_file = picture.with_extension("html");
     let mut page = page(&run, &limb, &request, &report)?;
-    if n_loads > 0 {
-        page.facts.push(pages::fact("loads", beside(n_loads)));
+    if let Some(unloaded_m) = report.unloaded_m {
+        page.facts.push(pages::fact("loads", beside(n_loads, unloaded_m)));
     }
     page.facts.extend(origin.facts());
     page.write(&page_file)?;
     if args.json {
         println!("{figures}");
     } else {
-        if n_loads > 0 {
-            println!("{}", beside(n_loads));
+        if let Some(unloaded_m) = report.unloaded_m {
+            println!("{}", beside(n_loads, unloaded_m));
         }
         print(&request, &report, &page_file);
     }
     Ok(())
 }
 
-/// What is unknown beside the contacts.
-fn beside(n_loads: usize) -> String {
-    format!("beside {n_loads} unknown loads that are no contacts, as the scene's loads say")
+/// What is unknown beside the contacts, and what it costs.
+fn beside(n_loads: usize, unloaded_m: f64) -> String {
+    format!(
+        "beside {n_loads} unknown loads that are no contacts, as the scene's loads say; without them the median of \
+         one contact would be {:.2} mm",
+        unloaded_m * 1e3
+    )
 }
 
 /// Bounds in tables and on the limb.

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use hapdef::plan::{Rates, pipeline_parts_s};
 use hapdef::stages::check_rig_mesh;
-use hapdef::touch::calibration_in_use;
+use hapdef::touch::{LearnedLoads, calibration_in_use};
 use hapdef::{DrawnSkin, Limb, Pipeline, Run, Stage, Until};
 use hapdef_cli::{SceneArgs, print_json};
 use hapdef_contact::printable;
@@ -32,7 +32,23 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
     if calibration_in_use(&run, &limb)?.is_some() {
         println!("calibration: of this limb and its gauges");
     }
+    if let Some(loads) = loads_in_words(&run)? {
+        println!("loads: {loads}");
+    }
     Ok(())
+}
+
+/// What strains the limb beside contacts.
+fn loads_in_words(run: &Run) -> Result<Option<String>> {
+    let Some(loads) = &run.scene.loads else {
+        return Ok(None);
+    };
+    let Some(file) = &loads.learned else {
+        return Ok(Some(format!("{}, their responses computed", loads.loads().len())));
+    };
+    let learned = LearnedLoads::read(&run.scene_dir.join(file), &run.scene)?;
+    let (n, n_frames) = (learned.sd.len(), learned.n_frames);
+    Ok(Some(format!("{n}, learned from {n_frames} frames in which nothing touched")))
 }
 
 /// How far what the page draws is off what can be touched.

@@ -266,6 +266,8 @@ impl RigDevice {
         contacts.extend(self.pressed.iter().filter_map(|p| p.on(&self.limb)));
         self.strain_ue.fill(0.0);
         self.limb.loads().add_strain_ue(t_s, &mut self.strain_ue);
+        self.truth.loads.clear();
+        self.truth.loads.extend(self.limb.loads().amounts(t_s));
         for contact in contacts.iter() {
             let force = contact.force_vector_n();
             self.limb.add_strain_ue(&contact.point, &force, &mut self.strain_ue);

@@ -50,6 +50,8 @@ pub struct TruthFrame {
     pub t_s: f64,
     /// What presses then, the script's contacts first.
     pub contacts: Vec<TrueContact>,
+    /// How much there is of each load on the whole limb that is no contact `[n_loads]`, in its unit.
+    pub loads: Vec<f64>,
 }
 
 /// Sets what is pressed by hand, from any thread: the device takes it up with its next frame.

@@ -17,6 +17,8 @@ struct Line {
     t_device_us: u64,
     t_s: f64,
     contacts: Vec<LineContact>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    loads: Vec<f64>,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -33,7 +35,7 @@ struct LineContact {
 
 impl TruthFrame {
     /// Writes the frame as a JSON line: `boot_id`, `seq`, `t_device_us`, `t_s`, and for each of the
-    /// `contacts` `id`, `position_m`, `normal`, `force_n`, `shear_n`, `face`, `bary`.
+    /// `contacts` `id`, `position_m`, `normal`, `force_n`, `shear_n`, `face`, `bary`; `loads` where the limb has some.
     ///
     /// # Errors
     /// What the writer says.
@@ -53,6 +55,7 @@ impl TruthFrame {
             t_device_us: self.t_device_us,
             t_s: self.t_s,
             contacts: self.contacts.iter().map(contact).collect(),
+            loads: self.loads.clone(),
         };
         serde_json::to_writer(&mut *out, &line)?;
         out.write_all(b"\n")
@@ -81,6 +84,7 @@ impl TruthFrame {
             t_device_us: line.t_device_us,
             t_s: line.t_s,
             contacts: line.contacts.into_iter().map(contact).collect(),
+            loads: line.loads,
         })
     }
 }

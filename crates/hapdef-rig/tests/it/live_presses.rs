@@ -209,6 +209,7 @@ fn truth_comes_back_from_its_line() {
         t_device_us: 12_345,
         t_s: 0.1 + 0.2,
         contacts: contacts(&play, 0.41),
+        loads: vec![12.5, -0.1 - 0.2],
     };
     let mut line = Vec::new();
     frame.write_json_line(&mut line).unwrap();

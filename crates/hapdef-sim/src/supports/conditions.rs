@@ -20,6 +20,15 @@ pub struct Supports {
     pub holds: Vec<Hold>,
 }
 
+impl Supports {
+    /// One rigid body of `nodes`, such as a flange that a stiff part is bolted to; nothing where there are none.
+    #[must_use]
+    pub fn of_rigid_body(nodes: &[FeNodeId]) -> Self {
+        let body = (!nodes.is_empty()).then(|| RigidBody { nodes: nodes.to_vec() });
+        Self { rigid_bodies: body.into_iter().collect(), ..Self::default() }
+    }
+}
+
 /// Nodes that stay in a plane: they don't move along its normal and, where they have rotations,
 /// turn only about it.
 #[derive(Clone, Debug, PartialEq)]

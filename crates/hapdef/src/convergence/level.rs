@@ -5,7 +5,7 @@ use std::time::Instant;
 use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, farthest_nodes, refine_unfolded};
 use hapdef_sim::{
     ElasticModel, ElasticParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad, PressedSkin,
-    SolverKind,
+    SolverKind, Supports,
 };
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -59,6 +59,7 @@ pub(crate) struct Levels<'a> {
 struct Refined {
     mesh: Tet10Mesh,
     clamped: Vec<FeNodeId>,
+    flange: Vec<FeNodeId>,
     skin: SkinRegion,
     n_straightened: usize,
 }
@@ -107,9 +108,9 @@ impl<'a> Levels<'a> {
 
     /// The mesh of the scene.
     fn own(&self) -> Refined {
-        let Limb { mesh, clamped, skin, .. } = self.limb;
-        let (mesh, clamped, skin) = (mesh.clone(), clamped.clone(), skin.clone());
-        Refined { mesh, clamped, skin, n_straightened: 0 }
+        let Limb { mesh, clamped, flange, skin, .. } = self.limb;
+        let (mesh, clamped, flange) = (mesh.clone(), clamped.clone(), flange.clone());
+        Refined { mesh, clamped, flange, skin: skin.clone(), n_straightened: 0 }
     }
 
     /// A newton of the tip at each press, on the mesh of the scene.
@@ -124,6 +125,7 @@ impl<'a> Levels<'a> {
         let started = Instant::now();
         let mesh = &refined.mesh;
         let elastic = ElasticParams {
+            supports: Supports::of_rigid_body(&refined.flange),
             n_threads: self.n_threads,
             ..ElasticParams::new(self.material, refined.clamped.clone())
         };
@@ -172,6 +174,7 @@ fn finer(coarse: &Refined) -> Result<Refined, HapdefError> {
     let refined = refine_unfolded(&coarse.mesh)?;
     Ok(Refined {
         clamped: refined.node_set(&coarse.clamped),
+        flange: refined.node_set(&coarse.flange),
         skin: SkinRegion::new(&refined.mesh, refined.faces(&coarse.skin.faces))?,
         n_straightened: refined.n_straightened,
         mesh: refined.mesh,

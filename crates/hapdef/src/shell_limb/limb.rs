@@ -137,7 +137,7 @@ impl ShellLimb {
         let model = LimbModel::build(&limb, params.n_threads)?;
         let (fields, solved) = model.fields(&model.gauges(&limb.sites, &limb.gauges)?)?;
         let rising = sorted(skin.wall_m.iter().copied());
-        let held = |shell: &WallShell| shell.clamped(&limb.clamped).len();
+        let held = |shell: &WallShell| shell.under_all(&limb.clamped).len();
         let info = ShellLimbInfo {
             wall: WallInfo {
                 made: skin.said.clone(),

@@ -14,14 +14,18 @@ const DATASET_VERSION: u32 = 1;
 /// What the limb depends on. The deck counts by its bytes, not by its path; what a wall is solved as
 /// counts where it is solved.
 pub(crate) fn limb(scene: &Scene, deck_hash: &str) -> Value {
-    json!({
+    let mut key = json!({
         "deck": deck_hash,
         "geometry": all_but(&scene.geometry, &["solid_deck", "skin", "skin_gltf", "solver"]),
         "material": scene.material,
         "mount": scene.mount,
         "contact": all_but(&scene.contact, &["force_range_n", "min_spacing_m", "max_contacts"]),
         "gauges": scene.gauges,
-    })
+    });
+    if let Some(flange) = scene.loads.as_ref().and_then(|loads| loads.flange.as_ref()) {
+        key["flange"] = json!(flange.at);
+    }
+    key
 }
 
 /// What sets the rig's limb apart from it; `own_deck_hash` of a rig with a mesh of its own.

@@ -2,7 +2,7 @@
 
 use hapdef_inverse::{ResponseMap, ResponseParams, Skin, SkinFaces, SkinParams};
 use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, refine_unfolded};
-use hapdef_sim::{ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain};
+use hapdef_sim::{ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain, Supports};
 use nalgebra::Vector3;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -16,6 +16,7 @@ pub(super) struct FineLimb<'a> {
     limb: &'a Limb,
     mesh: Tet10Mesh,
     clamped: Vec<FeNodeId>,
+    flange: Vec<FeNodeId>,
     skin: SkinRegion,
 }
 
@@ -29,11 +30,13 @@ impl<'a> FineLimb<'a> {
             limb,
             mesh: limb.mesh.clone(),
             clamped: limb.clamped.clone(),
+            flange: limb.flange.clone(),
             skin: limb.skin.clone(),
         };
         for _ in 0..times {
             let refined = refine_unfolded(&fine.mesh)?;
             fine.clamped = refined.node_set(&fine.clamped);
+            fine.flange = refined.node_set(&fine.flange);
             fine.skin = SkinRegion::new(&refined.mesh, refined.faces(&fine.skin.faces))?;
             fine.mesh = refined.mesh;
         }
@@ -56,6 +59,7 @@ impl<'a> FineLimb<'a> {
         let place = |site| GaugeStrain::with_params(&self.mesh, &faces, site, &anywhere);
         let gauges: Vec<GaugeStrain> = sites.iter().map(place).collect::<Result<_, _>>()?;
         let elastic = ElasticParams {
+            supports: Supports::of_rigid_body(&self.flange),
             n_threads,
             ..ElasticParams::new(self.limb.material, self.clamped.clone())
         };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use hapdef_bench::stats;
 use hapdef_inverse::{
     Carried, ContactBound, ContactEstimator, EstimatorParams, LimitParams, NoiseParams, OtherLoads,
-    ResponseMap, ScanSites, SkinPoint, carried_contacts, joint_bounds,
+    ResponseMap, ScanSites, SkinPoint, carried_contacts, joint_bounds, single_bounds,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -43,6 +43,9 @@ pub struct LimitsReport {
     pub blind_nodes: Vec<usize>,
     /// How many contacts the layout carries.
     pub carried: Vec<Carried>,
+    /// Median bound of the position of one contact over the sites if there were no loads, m; none where there are
+    /// none.
+    pub unloaded_m: Option<f64>,
 }
 
 impl LimitsReport {
@@ -86,6 +89,7 @@ pub fn limits(
         pair_m: Vec::with_capacity(nodes.len()),
         blind_nodes: Vec::new(),
         carried: carried_contacts(&estimator, &request.carried)?,
+        unloaded_m: unloaded_m(&estimator, request)?,
     };
     let mut pairs = Pairs {
         estimator: &estimator,
@@ -111,6 +115,19 @@ pub fn limits(
         report.pair_m.push(pair);
     }
     Ok(report)
+}
+
+fn unloaded_m(
+    estimator: &ContactEstimator,
+    request: &LimitsRequest,
+) -> Result<Option<f64>, HapdefError> {
+    if estimator.loads().is_empty() {
+        return Ok(None);
+    }
+    let unloaded = estimator.with_loads(OtherLoads::default())?;
+    let bounds = single_bounds(&unloaded, request.carried.force_n)?;
+    let bounds_m = bounds.into_iter().map(|b| b.map_or(f64::INFINITY, |b| b.position_sd_m));
+    Ok(Some(stats::median(bounds_m)))
 }
 
 /// Bounds with drawn second contacts.

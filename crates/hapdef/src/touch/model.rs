@@ -4,6 +4,7 @@ use hapdef_mesh::{FeNodeId, GaugeId};
 use hapdef_sim::{
     Compliance, ComplianceParams, ElasticModel, ElasticParams, FactorInfo, GaugeResponse,
     GaugeSite, GaugeStrain, LinearFunctional, Motion, NodalLoad, ShellParams, SimError, SolveInfo,
+    Supports,
 };
 use nalgebra::{Point3, Vector3};
 
@@ -238,10 +239,17 @@ pub(crate) fn model_estimate(limb: &Limb, n_threads: usize) -> Result<FactorInfo
 }
 
 fn solid_params(limb: &Limb, n_threads: usize) -> ElasticParams {
-    ElasticParams { n_threads, ..ElasticParams::new(limb.material, limb.clamped.clone()) }
+    let supports = Supports::of_rigid_body(&limb.flange);
+    ElasticParams { supports, n_threads, ..ElasticParams::new(limb.material, limb.clamped.clone()) }
 }
 
 fn shell_params(limb: &Limb, shell: &WallShell, n_threads: usize) -> ShellParams {
-    let clamped = shell.clamped(&limb.clamped);
-    ShellParams { kind: shell.kind, n_threads, ..ShellParams::new(limb.material, clamped) }
+    let (clamped, flange) = (shell.under_all(&limb.clamped), shell.under_all(&limb.flange));
+    let supports = Supports::of_rigid_body(&flange);
+    ShellParams {
+        kind: shell.kind,
+        supports,
+        n_threads,
+        ..ShellParams::new(limb.material, clamped)
+    }
 }
