@@ -11,6 +11,9 @@ use hapdef_cli::{SceneArgs, print_json, shown};
 use super::table::read_table;
 use super::topic::TopicArgs;
 
+/// Numbers of a frame that a contact takes: its place on the skin and its force.
+const LEAST_LEFT: usize = 3;
+
 /// Time for which the simulated rig moves, s.
 const SIM_S: f64 = 60.0;
 
@@ -68,6 +71,14 @@ pub(crate) fn run(args: &LoadsArgs) -> Result<()> {
     let noise_ue = args.noise_ue.unwrap_or(run.scene.estimator.superposition().noise_ue);
     let learned =
         LearnedLoads::learn(&run.scene, &frames, args.tare_frames, noise_ue, args.margin)?;
+    let n_left = learned.gauges.len() - learned.sd.len();
+    ensure!(
+        n_left >= LEAST_LEFT,
+        "{from}: {} loads move {} gauges, which leaves {n_left} numbers of a frame, and a contact takes \
+         {LEAST_LEFT}: did something touch, or is the noise larger than {noise_ue} µε (--noise-ue)?",
+        learned.sd.len(),
+        learned.gauges.len()
+    );
     learned.write(&args.out)?;
     if args.json {
         print_json(&learned, true)?;

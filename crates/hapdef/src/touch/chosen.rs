@@ -5,7 +5,7 @@ use hapdef_live::estimator::{
     EstimatorKind, PaperChain, SearchPlace, Superposition, TouchEstimator, Tracking,
 };
 
-use super::learned_loads::learned_loads;
+use super::learned_loads::scene_loads;
 use super::{Calibration, other_loads, response_with_loads, superposition};
 use crate::cache::Stage;
 use crate::error::HapdefError;
@@ -71,17 +71,12 @@ pub(crate) fn by_superposition(run: &Run, limb: &Limb) -> Result<ContactEstimato
     Ok(if loads.is_empty() { estimator } else { estimator.with_loads(loads)? })
 }
 
-/// The loads of a calibrated scene that are no contacts: those it learned, else as they are computed.
+/// The loads of a calibrated scene that are no contacts.
 pub(super) fn calibrated_loads(run: &Run, limb: &Limb) -> Result<OtherLoads, HapdefError> {
-    match (learned_loads(run)?, &run.scene.loads) {
-        (Some(learned), _) => Ok(learned),
-        (None, Some(spec)) => {
-            run.say("solving the gauges' response to loads that are no contacts");
-            let error = run.scene.estimator.superposition().map_error;
-            other_loads(limb, &limb.sites, &limb.gauges, spec, error, run.threads)
-        }
-        (None, None) => Ok(OtherLoads::default()),
-    }
+    scene_loads(run, |spec, error| {
+        run.say("solving the gauges' response to loads that are no contacts");
+        other_loads(limb, &limb.sites, &limb.gauges, spec, error, run.threads)
+    })
 }
 
 /// The stages behind the paper's chain.

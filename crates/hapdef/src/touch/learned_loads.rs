@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::HapdefError;
 use crate::run::Run;
-use crate::scene::Scene;
+use crate::scene::{LoadsSpec, Scene};
 
 /// Form of the file.
 const VERSION: u32 = 1;
@@ -117,9 +117,17 @@ impl From<LearnedLoads> for OtherLoads {
     }
 }
 
-/// The loads in the file that the scene names, if it does.
-pub(super) fn learned_loads(run: &Run) -> Result<Option<OtherLoads>, HapdefError> {
-    let file = run.scene.loads.as_ref().and_then(|loads| loads.learned.as_ref());
-    let read = |file| LearnedLoads::read(&run.scene_dir.join(file), &run.scene);
-    Ok(file.map(read).transpose()?.map(Into::into))
+/// The loads of a scene that are no contacts: those it learned, else as they are `computed` with the map's relative
+/// error.
+pub(super) fn scene_loads(
+    run: &Run,
+    computed: impl FnOnce(&LoadsSpec, f64) -> Result<OtherLoads, HapdefError>,
+) -> Result<OtherLoads, HapdefError> {
+    let Some(spec) = &run.scene.loads else {
+        return Ok(OtherLoads::default());
+    };
+    match &spec.learned {
+        Some(file) => Ok(LearnedLoads::read(&run.scene_dir.join(file), &run.scene)?.into()),
+        None => computed(spec, run.scene.estimator.superposition().map_error),
+    }
 }

@@ -5,7 +5,7 @@ use hapdef_mesh::{FeNodeId, GaugeId};
 use hapdef_sim::GaugeResponse;
 use nalgebra::Vector3;
 
-use super::learned_loads::learned_loads;
+use super::learned_loads::scene_loads;
 use super::model::{LimbModel, ModelGauge};
 use super::other_loads;
 use crate::error::HapdefError;
@@ -39,14 +39,9 @@ pub fn response_with_loads(
     let model = LimbModel::build(limb, run.threads)?;
     let gauges = model.gauges(&limb.sites, &limb.gauges)?;
     let (response, _) = model.response(&gauges)?;
-    let loads = match (learned_loads(run)?, &run.scene.loads) {
-        (Some(learned), _) => learned,
-        (None, Some(spec)) => {
-            let error = run.scene.estimator.superposition().map_error;
-            other_loads::of_response(&model, &gauges, &response, spec, error)?
-        }
-        (None, None) => OtherLoads::default(),
-    };
+    let loads = scene_loads(run, |spec, error| {
+        other_loads::of_response(&model, &gauges, &response, spec, error)
+    })?;
     let skin = TouchedSkin::new(limb, run.scene.contact.tip_radius_m)?;
     Ok((skin.map(gauges.len(), &model.fields_of(&gauges, &response))?, loads))
 }
