@@ -8,6 +8,7 @@ mod bench;
 mod browser;
 mod ci;
 mod compare;
+mod dist;
 mod docs;
 mod first_minute;
 mod fixtures;
@@ -123,6 +124,13 @@ enum Task {
     /// Runs the commands that the docs show.
     #[command(after_help = "Example:\n  cargo xtask docs")]
     Docs(docs::DocsArgs),
+    /// A folder to give away: program, wheel, completions, manual, docs, checksums; and an archive of it.
+    #[command(after_help = "Examples:\n  cargo xtask dist\n  cargo xtask dist --check")]
+    Dist {
+        /// Unpack the archive, too, and run what is in it.
+        #[arg(long)]
+        check: bool,
+    },
     /// Checks that every crate can be published as it is.
     #[command(after_help = "Example:\n  cargo xtask packages")]
     Packages,
@@ -167,6 +175,8 @@ fn run(task: Task) -> Result<()> {
         Task::Python => python::check(),
         Task::Weight(args) => weight::run(&args),
         Task::Docs(args) => docs::run_some(&args),
+        Task::Dist { check: true } => dist::check(),
+        Task::Dist { check: false } => dist::make(),
         Task::Packages => package::check(),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),

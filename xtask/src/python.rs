@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 
 use crate::docs::blocks;
-use crate::tool::{release_binary, root, run, target_dir};
+use crate::tool::{release_binary, root, run, run_quietly, target_dir};
 
 /// Oldest Python that the module runs on.
 const OLDEST: (u32, u32) = (3, 9);
@@ -18,6 +18,9 @@ const PROBE: &str = "import sys, venv, ensurepip; print(*sys.version_info[:2])";
 /// Where the module is in the tree.
 const CRATE: &str = "crates/hapdef-py";
 
+/// Programs that the wheel installs.
+const SCRIPTS: &str = "hapdef.data/scripts";
+
 /// What the docs say of it.
 const PAGE: &str = "docs/python.md";
 
@@ -25,6 +28,13 @@ const PAGE: &str = "docs/python.md";
 pub(crate) struct Wheel {
     python: String,
     path: PathBuf,
+}
+
+impl Wheel {
+    /// The file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
 }
 
 /// `cargo xtask python`.
@@ -48,6 +58,7 @@ pub(crate) fn build_wheel() -> Result<Option<Wheel>> {
             return Ok(None);
         }
     };
+    add_program()?;
     let path = build(&tools, &folder)?;
     println!("wheel: {}", path.display());
     Ok(Some(Wheel { python, path }))
@@ -69,6 +80,11 @@ pub(crate) fn test_wheel(wheel: &Wheel) -> Result<()> {
     };
     let folder = root().join(CRATE);
     ours(&folder, &["-W", "error", "-m", "unittest", "discover", "-s", "tests"])?;
+    let installed = python.with_file_name("hapdef");
+    run(Command::new(&installed).arg("--version").current_dir(root()))?;
+    run_quietly(
+        Command::new(&installed).args(["check", "fixtures/shin/placed.json"]).current_dir(root()),
+    )?;
     ours(&folder, &["-m", "mypy.stubtest", "hapdef", "--ignore-missing-stub"])?;
     for snippet in snippets()? {
         ours(root(), &["-W", "error", "-c", &snippet])?;
@@ -116,6 +132,15 @@ fn tools(python: &str, folder: &Path) -> Result<PathBuf> {
     let tools = environment(python, folder, false)?;
     install(&tools, &["maturin>=1.9,<2"])?;
     Ok(tools)
+}
+
+/// Puts the program beside the module: maturin takes it along as one that pip installs.
+fn add_program() -> Result<()> {
+    let program = release_binary("hapdef")?;
+    let scripts = root().join(CRATE).join(SCRIPTS);
+    fs::create_dir_all(&scripts).with_context(|| format!("making {}", scripts.display()))?;
+    fs::copy(program, scripts.join("hapdef")).context("copying the program")?;
+    Ok(())
 }
 
 /// The wheel, built by maturin.

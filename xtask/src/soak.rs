@@ -74,7 +74,7 @@ fn scripts(args: &SoakArgs) -> Result<Command> {
     let mut command = Command::new(release_example("scripts")?);
     let mut scenes = vec!["fixtures/shin/demo.json"];
     if args.short {
-        command.args(["--scripts", "4", "--seconds", "12", "--replay-s", "4"]);
+        command.args(["--scripts", "4", "--seconds", "12", "--replay-s", "4", "--stop-s", "12"]);
     } else {
         scenes.push("fixtures/shin/placed.json");
         let deck = root().join("../shared/inputs/hapdef-shin/02_skin_ds.dat.gz");

@@ -3,8 +3,9 @@
 //! An estimator fills a [`Touch`]: its [`Contact`]s with their [`Uncertainty`], the [`Quality`] of the
 //! explanation, the [`Alternative`]s. The runtime, the live page, ROS messages and Python take the same
 //! types from there, so that a contact is converted only where it leaves for a file, a wire or an array.
-//! A [`DrawnContact`] is what a sample or a probing robot presses. The words of [`Phase`], [`WhyNot`],
-//! [`TouchPhase`], [`UnknownReason`] and [`GaugeHealth`] are those of every JSON line.
+//! A [`Wrench`] is the force and moment that contacts have together. A [`DrawnContact`] is what a sample or a probing
+//! robot presses. The words of [`Phase`], [`WhyNot`], [`TouchPhase`], [`UnknownReason`] and [`GaugeHealth`] are those
+//! of every JSON line.
 //!
 //! [`printable()`] is how text from outside is shown, whoever shows it.
 //!
@@ -15,12 +16,14 @@ mod printable;
 mod state;
 mod touch;
 mod uncertainty;
+mod wrench;
 
 pub use contact::{Contact, DrawnContact};
 pub use printable::{printable, printable_lines};
 pub use state::{GaugeHealth, Phase, TouchPhase, UnknownReason, Verdict, WhyNot};
 pub use touch::{Alternative, Quality, Touch};
 pub use uncertainty::Uncertainty;
+pub use wrench::{JointTorques, Wrench};
 
 /// Contacts that an explanation may have at most.
 pub const MAX_CONTACTS: usize = 6;

@@ -40,7 +40,8 @@ struct hdp1_header {
 };
 
 struct hdp1_channel {
-    uint8_t kind;      /* 0 quarter, 1 half, 2 full bridge, 3 temperature, 4 volt, 255 unused */
+    uint8_t kind;      /* 0 quarter, 1 half, 2 full bridge, 3 temperature, 4 volt, 5 acceleration,
+                          6 angular rate, 7 force, 8 torque, 255 unused */
     uint8_t log2_gain;
     uint16_t skew_16ns;
     float scale;       /* microstrain per count */

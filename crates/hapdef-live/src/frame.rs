@@ -1,7 +1,10 @@
 //! A frame on its way: what was read, what it means.
 
-use hapdef_contact::{Contact, GaugeHealth, Touch, TouchPhase};
+use hapdef_contact::{Contact, GaugeHealth, Touch, TouchPhase, Wrench};
 use hapdef_daq::hdp1::FrameFlags;
+use nalgebra::Point3;
+
+use crate::signals::LoadSignal;
 
 /// One frame with everything that was found in it. What no sink wants is not computed and is as it
 /// is in an empty frame.
@@ -23,7 +26,7 @@ pub struct LiveFrame {
     pub t_device_us: u64,
     /// Host time of the sample instant, ns, on the clock of [`hapdef_daq::clock::HostClock`].
     pub t_host_ns: u64,
-    /// Host time when its contacts were ready, ns, on the same clock.
+    /// Host time when its contacts were ready, ns, on the same clock; of a recording the sample instant.
     pub t_done_ns: u64,
     /// Readings as they came `[n_gauges]`, µε.
     pub raw_ue: Vec<f64>,
@@ -41,6 +44,8 @@ pub struct LiveFrame {
     pub smallest_seen_n: Option<f64>,
     /// Value of the first temperature channel, in its unit, where the device has one.
     pub temperature: Option<f64>,
+    /// What else the device measures of how the whole limb is loaded, as it came.
+    pub signals: Vec<(LoadSignal, f64)>,
     /// The contacts; none while taring, and in a frame that was refused.
     pub touch: Touch,
 }
@@ -57,6 +62,13 @@ impl LiveFrame {
         } else {
             Err(self.phase)
         }
+    }
+
+    /// The net wrench of the contacts about a point of the limb's frame, m; `None` where a contact's direction is not
+    /// known.
+    #[must_use]
+    pub fn wrench(&self, about_m: Point3<f64>) -> Option<Wrench> {
+        Wrench::of(&self.touch.contacts, about_m)
     }
 
     /// An empty frame of that many gauges.
@@ -79,6 +91,7 @@ impl LiveFrame {
             is_stale: false,
             smallest_seen_n: None,
             temperature: None,
+            signals: Vec::new(),
             touch: Touch::with_room(),
         }
     }
@@ -100,6 +113,7 @@ impl LiveFrame {
         self.phase = from.phase;
         (self.is_stale, self.smallest_seen_n) = (from.is_stale, from.smallest_seen_n);
         self.temperature = from.temperature;
+        self.signals.clone_from(&from.signals);
         self.touch.copy_from(&from.touch);
     }
 

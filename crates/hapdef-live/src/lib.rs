@@ -49,6 +49,7 @@
 //!
 //! This crate knows nothing of meshes, finite elements, training or web pages.
 
+mod alert;
 mod bundle;
 mod error;
 pub mod estimator;
@@ -56,19 +57,22 @@ mod frame;
 mod health;
 mod histogram;
 mod runtime;
+mod signals;
 mod sink;
 pub mod sinks;
 mod tare_fault;
 
+pub use alert::{Alert, AlertLevel, AlertParams, Threshold};
 pub use bundle::{BUNDLE_VERSION, Bundle, BundleGauge, BundleInfo, BundleMode};
 pub use error::{AnyError, LiveError};
 pub use frame::LiveFrame;
 pub use hapdef_contact::{
     Alternative, Contact, GaugeHealth, Phase, Quality, Touch, TouchPhase, Uncertainty,
-    UnknownReason, Verdict, WhyNot,
+    UnknownReason, Verdict, WhyNot, Wrench,
 };
 pub use health::{ClientHealth, Health, Latency, SinkHealth, StageTimes};
 pub use runtime::channels::gauge_channels;
 pub use runtime::{BLIND_SHARE, Live, LiveBuilder, LiveControl, LiveGauge, LiveParams};
+pub use signals::{GivenLoads, LoadSignal, UnknownSignal};
 pub use sink::{Delivery, FnSink, LiveEvent, PhaseStatus, Sink, Wants};
 pub use tare_fault::{Retare, TareFault, TareFaultKind, TareOutcome};

@@ -22,7 +22,9 @@ mod response;
 mod rig;
 mod scene;
 mod shell;
+mod touch_sensor;
 mod work;
+mod wrench;
 
 use pyo3::prelude::*;
 
@@ -37,6 +39,8 @@ pub use response::{PyBounds, PyResponse};
 pub use rig::PyRig;
 pub use scene::PyScene;
 pub use shell::PyShell;
+pub use touch_sensor::PyTouchSensor;
+pub use wrench::{PyJointTorques, PyWrench};
 
 /// The module `hapdef._hapdef`, which `hapdef` hands on.
 #[pymodule]
@@ -50,6 +54,7 @@ fn _hapdef(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PyContact>()?;
     module.add_class::<PyEstimates>()?;
     module.add_class::<PyEstimator>()?;
+    module.add_class::<PyJointTorques>()?;
     module.add_class::<PyLayout>()?;
     module.add_class::<PyLive>()?;
     module.add_class::<PyLiveFrame>()?;
@@ -57,5 +62,7 @@ fn _hapdef(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PyResponse>()?;
     module.add_class::<PyRig>()?;
     module.add_class::<PyScene>()?;
-    module.add_class::<PyShell>()
+    module.add_class::<PyShell>()?;
+    module.add_class::<PyTouchSensor>()?;
+    module.add_class::<PyWrench>()
 }

@@ -1,12 +1,16 @@
 //! A frame of a stream.
 
+use std::collections::BTreeMap;
+
+use hapdef::RawFrame;
 use hapdef_live::{LiveFrame, UnknownReason, WhyNot};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::array::one;
+use crate::array::{Numbers, one};
 use crate::error::HapdefError;
 use crate::estimates::PyContact;
+use crate::wrench::{PyWrench, point};
 
 /// One frame: readings and contacts.
 #[pyclass(frozen, module = "hapdef", name = "LiveFrame")]
@@ -111,11 +115,26 @@ impl PyLiveFrame {
         one(py, self.frame.tared_ue.clone())
     }
 
+    /// What else the device measures of how the whole limb is loaded, by name, as it came.
+    #[getter]
+    fn signals(&self) -> BTreeMap<String, f64> {
+        let signals = self.frame.signals.iter();
+        signals.map(|(signal, value)| (signal.to_string(), *value)).collect()
+    }
+
     /// The contacts, the oldest first where they are followed, else the strongest.
     #[getter]
     fn contacts(&self) -> Vec<PyContact> {
         let contacts = self.frame.touch.contacts.iter();
         contacts.map(|contact| PyContact::new(*contact)).collect()
+    }
+
+    /// The net wrench of the contacts about a point of the limb's frame, m, `[3]`, its origin if not given; None where
+    /// a contact's direction is not known. Ask `known_contacts` whether a controller may act on it.
+    #[pyo3(signature = (about_m = None))]
+    fn wrench(&self, about_m: Option<Numbers<'_>>) -> PyResult<Option<PyWrench>> {
+        let about_m = about_m.map(|about_m| point(&about_m)).transpose()?;
+        Ok(self.frame.wrench(about_m.unwrap_or_default()).map(PyWrench::new))
     }
 
     /// Names of contacts that were let go in this frame.
@@ -138,5 +157,11 @@ impl PyLiveFrame {
     /// Wraps a frame.
     pub(crate) fn new(frame: LiveFrame) -> Self {
         Self { frame }
+    }
+
+    /// Its readings and signals as they came.
+    pub(crate) fn raw(&self) -> RawFrame {
+        let LiveFrame { raw_ue, signals, .. } = &self.frame;
+        RawFrame { readings_ue: raw_ue.clone(), signals: signals.clone() }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use hapdef::scene::{EstimatorSpec, GaugeEntry, SuperpositionSpec};
 use hapdef::stages::compliance_table;
-use hapdef::touch::{LayoutParams, SearchPlace, response_map, study_layouts};
+use hapdef::touch::{LayoutParams, LearnedLoads, SearchPlace, response_map, study_layouts};
 use hapdef::{OpenParams, OpenScene, Pipeline, Progress, RigPlay, Until, write_json};
 use nalgebra::Point3;
 use numpy::{PyArray2, PyArray3};
@@ -20,6 +20,7 @@ use crate::error::to_python;
 use crate::estimator::{PyEstimator, kind_of};
 use crate::layout::PyLayout;
 use crate::live::{LiveRequest, PyLive};
+use crate::live_frame::PyLiveFrame;
 use crate::profile;
 use crate::response::PyResponse;
 use crate::rig::PyRig;
@@ -345,6 +346,26 @@ impl PyScene {
         PyLive::start(py, &self.scene, source, request)
     }
 
+    /// Learns the loads on the whole limb that are no contacts from frames in which nothing touches, the first `still` of
+    /// them of a robot that stands still, and writes them to a file for the scene's `loads.learned`.
+    #[pyo3(signature = (frames, path, *, still = 200, margin = 2.0))]
+    fn learn_loads(
+        &self,
+        py: Python<'_>,
+        frames: Vec<PyRef<'_, PyLiveFrame>>,
+        path: PathBuf,
+        still: usize,
+        margin: f64,
+    ) -> PyResult<Vec<f64>> {
+        let frames: Vec<_> = frames.iter().map(|frame| frame.raw()).collect();
+        work(py, &self.scene, move |scene| {
+            let noise_ue = scene.scene().estimator.superposition().noise_ue;
+            let learned = LearnedLoads::learn(scene.scene(), &frames, still, noise_ue, margin)?;
+            learned.write(&path)?;
+            Ok(learned.strengths_ue())
+        })
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "Scene({:?}, {} gauges, {} surface nodes)",
@@ -352,5 +373,12 @@ impl PyScene {
             self.n_gauges(),
             self.n_surface_nodes()
         )
+    }
+}
+
+impl PyScene {
+    /// The scene with its limb.
+    pub(crate) fn open(&self) -> &OpenScene {
+        &self.scene
     }
 }

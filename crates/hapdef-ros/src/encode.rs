@@ -1,6 +1,7 @@
 //! Plain structs to messages of all topics.
 
 use hapdef_contact::{Touch, UnknownReason, printable};
+use nalgebra::Point3;
 use serde::Serialize;
 
 use crate::cdr::to_cdr;
@@ -63,6 +64,41 @@ impl<S: MessageSink> RosEncoder<S> {
     pub fn contacts(&mut self, stamp_ns: u64, seq: u32, touch: &Touch) -> Result<(), RosError> {
         self.put(TopicKind::Contacts, stamp_ns, |this| this.list(stamp_ns, seq, touch))?;
         self.held(stamp_ns, touch)
+    }
+
+    /// The net wrench of contacts that a controller may act on, about the origin of the limb's frame and about its
+    /// mount. Contacts of which one has no known normal have none.
+    ///
+    /// # Errors
+    /// It can't be encoded.
+    pub fn net_wrench(
+        &mut self,
+        stamp_ns: u64,
+        contacts: &[hapdef_contact::Contact],
+    ) -> Result<(), RosError> {
+        let Some(net) = hapdef_contact::Wrench::of(contacts, Point3::origin()) else {
+            return Ok(());
+        };
+        self.put(TopicKind::NetWrench, stamp_ns, |this| WrenchStamped {
+            header: this.header(stamp_ns),
+            wrench: net.into(),
+        })?;
+        let Some(mount_m) = self.params.mount_m else {
+            return Ok(());
+        };
+        if !contacts.is_empty() {
+            self.put(TopicKind::Transforms, stamp_ns, |this| TfMessage {
+                transforms: vec![TransformStamped {
+                    header: this.header(stamp_ns),
+                    child_frame_id: this.params.mount_frame(),
+                    transform: Transform { translation: mount_m.into(), ..Transform::default() },
+                }],
+            })?;
+        }
+        self.put(TopicKind::MountWrench, stamp_ns, |this| WrenchStamped {
+            header: Header { frame_id: this.params.mount_frame(), ..this.header(stamp_ns) },
+            wrench: net.about(mount_m.into()).into(),
+        })
     }
 
     /// Lets go what was held, without a reading: wrenches are zero and markers go; no list says that nothing

@@ -344,6 +344,12 @@ impl From<&hapdef_contact::Alternative> for Alternative {
     }
 }
 
+impl From<hapdef_contact::Wrench> for Wrench {
+    fn from(wrench: hapdef_contact::Wrench) -> Self {
+        Self { force: wrench.force_n.into(), torque: wrench.moment_nm.into() }
+    }
+}
+
 impl From<nalgebra::Vector3<f64>> for Vector3 {
     fn from(vector: nalgebra::Vector3<f64>) -> Self {
         <[f64; 3]>::from(vector).into()

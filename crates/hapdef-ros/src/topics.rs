@@ -15,6 +15,8 @@ pub struct RosParams {
     pub prefix: String,
     /// Frame of the limb; positions are in it.
     pub frame_id: String,
+    /// Where the limb is mounted, m: the net wrench is said about it, too.
+    pub mount_m: Option<[f64; 3]>,
     /// Contacts that have a wrench and a frame of their own, 1 to 16.
     pub n_slots: usize,
     /// Markers a second at most; what is shown need not be drawn for every reading.
@@ -40,6 +42,10 @@ pub enum TopicKind {
     Diagnostics,
     /// hapdef_msgs/Status on `<prefix>/status`: whether contacts can be known.
     Status,
+    /// geometry_msgs/WrenchStamped on `<prefix>/wrench`: of all contacts, about the origin of the limb's frame.
+    NetWrench,
+    /// geometry_msgs/WrenchStamped on `<prefix>/mount/wrench`: the same about the mount, in a frame of its own.
+    MountWrench,
     /// geometry_msgs/WrenchStamped on `<prefix>/contact_<slot>/wrench`.
     Wrench(usize),
 }
@@ -50,6 +56,7 @@ impl Default for RosParams {
         Self {
             prefix: "/hapdef".to_owned(),
             frame_id: "limb".to_owned(),
+            mount_m: None,
             n_slots: 4,
             marker_hz: 30.0,
             arrow_m_per_n: 0.01,
@@ -74,6 +81,9 @@ impl RosParams {
         if self.frame_id.is_empty() || !self.frame_id.chars().all(is_word) {
             return wrong("frame_id", "letters, digits, _ and /", &self.frame_id);
         }
+        if self.mount_m.is_some_and(|m| m.iter().any(|x| !x.is_finite())) {
+            return wrong("mount_m", "three numbers", &format!("{:?}", self.mount_m));
+        }
         if !(1..=MAX_SLOTS).contains(&self.n_slots) {
             return wrong("n_slots", "1 to 16", &self.n_slots);
         }
@@ -84,6 +94,12 @@ impl RosParams {
             return wrong("arrow_m_per_n", "a number above 0", &self.arrow_m_per_n);
         }
         Ok(())
+    }
+
+    /// Frame of the mount: in the mount's middle, its axes those of the limb's frame.
+    #[must_use]
+    pub fn mount_frame(&self) -> String {
+        format!("{}/mount", self.frame_id)
     }
 
     /// What tells this limb from others among nodes, servers and diagnostics: the prefix as one word.
@@ -111,6 +127,8 @@ impl TopicKind {
             Self::Transforms,
             Self::Diagnostics,
             Self::Status,
+            Self::NetWrench,
+            Self::MountWrench,
         ]
         .into_iter()
         .chain(wrenches)
@@ -127,7 +145,9 @@ impl TopicKind {
             Self::Transforms => 4,
             Self::Diagnostics => 5,
             Self::Status => 6,
-            Self::Wrench(slot) => 7 + slot,
+            Self::NetWrench => 7,
+            Self::MountWrench => 8,
+            Self::Wrench(slot) => 9 + slot,
         }
     }
 
@@ -143,6 +163,8 @@ impl TopicKind {
             Self::Transforms => "/tf".to_owned(),
             Self::Diagnostics => "/diagnostics".to_owned(),
             Self::Status => format!("{prefix}/status"),
+            Self::NetWrench => format!("{prefix}/wrench"),
+            Self::MountWrench => format!("{prefix}/mount/wrench"),
             Self::Wrench(slot) => format!("{prefix}/contact_{slot}/wrench"),
         }
     }
@@ -157,7 +179,7 @@ impl TopicKind {
             Self::Transforms => "tf2_msgs/TFMessage",
             Self::Diagnostics => "diagnostic_msgs/DiagnosticArray",
             Self::Status => "hapdef_msgs/Status",
-            Self::Wrench(_) => "geometry_msgs/WrenchStamped",
+            Self::NetWrench | Self::MountWrench | Self::Wrench(_) => "geometry_msgs/WrenchStamped",
         }
     }
 }
@@ -192,7 +214,7 @@ mod tests {
         }
         let topics = topics(&params).unwrap();
         assert!(topics.iter().all(|topic| !topic.schema.is_empty()));
-        assert_eq!(topics[8].name, "/hapdef/contact_1/wrench");
+        assert_eq!(topics[10].name, "/hapdef/contact_1/wrench");
     }
 
     #[test]

@@ -90,6 +90,7 @@ mod source_args;
 pub mod stages;
 mod stats;
 pub mod touch;
+mod touch_sensor;
 mod virtual_rig;
 mod wall_shell;
 mod work;
@@ -116,8 +117,9 @@ pub use scoring::{
     score_lenient, score_one_to_one,
 };
 pub use skin_wall::{SkinWall, WallMeasures};
-pub use source::{Contacts, RigPlay, Source};
+pub use source::{Contacts, RawFrame, RigPlay, Source};
 pub use source_args::{SOURCE_FORMS, SourceArg, SourceArgError, parse_speed};
 pub use stats::{ContactStats, ForceBin, by_force};
+pub use touch_sensor::{TouchSensor, TouchSensorParams};
 pub use virtual_rig::{VirtualRigParams, live_limb, random_presses, virtual_device};
 pub use wall_shell::WallShell;

@@ -126,6 +126,13 @@ impl Limb {
         scene
     }
 
+    /// The middle of the mount, m: the mean place of the nodes that are held.
+    #[must_use]
+    pub fn mount_m(&self) -> Point3<f64> {
+        let held = self.clamped.iter().map(|node| self.mesh.position(*node).coords);
+        Point3::from(held.sum::<Vector3<f64>>() / self.clamped.len() as f64)
+    }
+
     /// Whether every body of the limb is held by the mount; for the first that isn't, where it is.
     ///
     /// # Errors

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use hapdef_inverse::{ContactEstimator, ResponseMap};
+use hapdef_live::GivenLoads;
 use hapdef_live::estimator::{EstimatorKind, SearchPlace, Superposition, TouchEstimator, Tracking};
 use hapdef_rig::live::LiveLimb;
 
@@ -16,7 +17,7 @@ use crate::run::Run;
 use crate::scene::{EstimatorSpec, Scene};
 use crate::source::{RigPlay, Source};
 use crate::source_args::SourceArg;
-use crate::touch::{by_superposition, live_estimator, tracker_params};
+use crate::touch::{by_superposition, given_loads, live_estimator, tracker_params};
 use crate::virtual_rig::live_limb;
 
 /// A scene, its limb, and where results go.
@@ -174,12 +175,20 @@ impl OpenScene {
         live_limb(&self.run, &self.limb)
     }
 
+    /// What the scene's device measures of loads that are no contacts; none where nothing was learned of it.
+    ///
+    /// # Errors
+    /// [`HapdefError::LearnedLoads`].
+    pub fn given_loads(&self) -> Result<GivenLoads, HapdefError> {
+        given_loads(&self.run)
+    }
+
     /// A device or a recording, such as `"replay:press.mcap@max".parse()?`.
     ///
     /// # Errors
     /// As [`SourceArg::open`].
     pub fn source(&self, arg: &SourceArg) -> Result<Source, HapdefError> {
-        Source::open(arg, &self.run.scene)
+        Ok(Source::open(arg, &self.run.scene)?.beside(self.given_loads()?))
     }
 
     /// The simulated rig, pressed at random, as fast as frames are taken: the same frames every
@@ -188,7 +197,7 @@ impl OpenScene {
     /// # Errors
     /// As [`live_limb`].
     pub fn rig_source(&self, play: &RigPlay) -> Result<Source, HapdefError> {
-        Source::rig(play, &self.run, &self.limb)
+        Ok(Source::rig(play, &self.run, &self.limb)?.beside(self.given_loads()?))
     }
 
     /// The same, touched by nothing.
@@ -196,7 +205,8 @@ impl OpenScene {
     /// # Errors
     /// As [`live_limb`].
     pub fn untouched_source(&self, seconds: Option<f64>) -> Result<Source, HapdefError> {
-        Source::untouched_rig(seconds, &self.run, &self.limb)
+        let source = Source::untouched_rig(seconds, &self.run, &self.limb)?;
+        Ok(source.beside(self.given_loads()?))
     }
 }
 

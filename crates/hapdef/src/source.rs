@@ -6,7 +6,10 @@ use std::time::Duration;
 
 use hapdef_daq::source::{FrameSource, StreamParams, StreamSource};
 use hapdef_live::estimator::{SearchPlace, TouchEstimator};
-use hapdef_live::{Delivery, FnSink, Live, LiveFrame, LiveGauge, LiveParams, Wants};
+use hapdef_live::{
+    Delivery, FnSink, GivenLoads, Live, LiveBuilder, LiveFrame, LiveGauge, LiveParams, LoadSignal,
+    Wants,
+};
 use hapdef_rig::live::{LiveLimb, PressScript, RigLink, RunParams};
 
 use crate::error::HapdefError;
@@ -25,6 +28,16 @@ pub struct Source {
     /// How the runtime reads it; to be changed before [`Self::contacts`].
     pub params: LiveParams,
     gauges: Vec<LiveGauge>,
+    given: GivenLoads,
+}
+
+/// A frame as it came.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawFrame {
+    /// Readings, not tared `[n_gauges]`, µε.
+    pub readings_ue: Vec<f64>,
+    /// What else the device measures of how the whole limb is loaded.
+    pub signals: Vec<(LoadSignal, f64)>,
 }
 
 /// A play of the simulated rig.
@@ -106,7 +119,14 @@ impl Source {
         let noise_ue = Some(scene.estimator.superposition().noise_ue);
         let sites = scene.gauges.sites.iter();
         let gauges = sites.map(|site| LiveGauge { name: site.name.clone(), scale: 1.0 });
-        Self { frames, params: LiveParams { noise_ue, ..params }, gauges: gauges.collect() }
+        let params = LiveParams { noise_ue, ..params };
+        Self { frames, params, gauges: gauges.collect(), given: GivenLoads::default() }
+    }
+
+    /// The same, of a device that measures loads: what they read is taken off before contacts are looked for.
+    #[must_use]
+    pub fn beside(self, given: GivenLoads) -> Self {
+        Self { given, ..self }
     }
 
     /// Its name.
@@ -144,19 +164,24 @@ impl Source {
         self.start(Wants::ALL, Some(estimator))
     }
 
-    /// Reads frames until the source ends or for `seconds`, as the gauges give them, not tared
-    /// `[n_frames][n_gauges]`, µε.
+    /// Reads frames until the source ends or for `seconds`, as they come.
     ///
     /// # Errors
     /// [`HapdefError::Live`] where gauges don't fit, or a thread can't be started.
-    pub fn raw_frames_ue(self, seconds: Option<f64>) -> Result<Vec<Vec<f64>>, HapdefError> {
+    pub fn raw_frames(self, seconds: Option<f64>) -> Result<Vec<RawFrame>, HapdefError> {
         let frames = self.start(Wants::RAW, None)?;
         let mut begin_ns = None;
         let is_in_time = |frame: &LiveFrame| {
             let since_ns = frame.t_host_ns.saturating_sub(*begin_ns.get_or_insert(frame.t_host_ns));
             seconds.is_none_or(|seconds| (since_ns as f64) < seconds * 1e9)
         };
-        Ok(frames.take_while(is_in_time).map(|frame| frame.raw_ue).collect())
+        let raw = |frame: LiveFrame| RawFrame { readings_ue: frame.raw_ue, signals: frame.signals };
+        Ok(frames.take_while(is_in_time).map(raw).collect())
+    }
+
+    /// The runtime that reads it, without estimator and sinks.
+    pub(crate) fn builder(self) -> LiveBuilder {
+        Live::boxed_builder(self.frames).params(self.params).gauges(self.gauges).given(self.given)
     }
 
     fn start(
@@ -169,10 +194,7 @@ impl Source {
             // Nobody looks any more when it was dropped.
             let _ = sender.send(frame.clone());
         });
-        let mut live = Live::boxed_builder(self.frames)
-            .params(self.params)
-            .gauges(self.gauges)
-            .sink(sink.with_delivery(Delivery::Queue(N_WAITING)));
+        let mut live = self.builder().sink(sink.with_delivery(Delivery::Queue(N_WAITING)));
         if let Some(estimator) = estimator {
             live = live.boxed_estimator(estimator);
         }

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use hapdef_data::{DatasetReader, DatasetWriter, TensorSpec};
 use hapdef_rig::live::{
     BridgeParams, CreepTerm, LiveElectronics, LiveElectronicsParams, LiveLimb, LiveSurface,
-    MovingLoads, Play, PressScript, RandomScriptParams, RigDevice, RigDeviceParams, RigFault,
+    LoadSensorParams, MovingLoads, Play, PressScript, RandomScriptParams, RigDevice,
+    RigDeviceParams, RigFault,
 };
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -16,7 +17,7 @@ use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
-use crate::scene::{LiveSpec, LoadsSpec, Scene};
+use crate::scene::{LiveSpec, LoadSensorsSpec, LoadsSpec, Scene};
 use crate::stages::{keys, real_limb, rig_key};
 
 const FILE: &str = "columns.safetensors";
@@ -92,9 +93,8 @@ pub fn live_limb(run: &Run, limb: &Limb) -> Result<LiveLimb, HapdefError> {
     let mut reader = DatasetReader::open(&stage.dir.join(LOADS_FILE))?;
     reader.read_rows(LOADS, 0..loads.len(), &mut numbers)?;
     let responses_ue = numbers.into_iter().map(f64::from).collect();
-    let sd = loads.into_iter().map(|(_, sd)| sd).collect();
     let seed = run.scene.rig.electronics.seed;
-    Ok(live.with_loads(MovingLoads::new(responses_ue, sd, LOADS_BEGIN_S, seed)))
+    Ok(live.with_loads(MovingLoads::new(loads, responses_ue, LOADS_BEGIN_S, seed)))
 }
 
 /// A script drawn for the scene: its forces, spacing and number of contacts.
@@ -135,9 +135,23 @@ pub fn virtual_device(
         drift_ppm,
         names: names.collect(),
         has_temperature: live.temperature_channel,
+        load_sensors: live
+            .load_sensors
+            .map(|spec| load_sensor_params(&spec, scene.rig.electronics.seed)),
         ..RigDeviceParams::default()
     };
     Ok(RigDevice::new(limb, play, electronics, device)?)
+}
+
+fn load_sensor_params(spec: &LoadSensorsSpec, seed: u64) -> LoadSensorParams {
+    LoadSensorParams {
+        gain_error: spec.gain_error,
+        acceleration_noise_m_s2: spec.acceleration_noise_m_s2,
+        rate_noise_rad_s: spec.rate_noise_rad_s,
+        force_noise_n: spec.force_noise_n,
+        moment_noise_nm: spec.moment_noise_nm,
+        seed,
+    }
 }
 
 fn electronics_params(scene: &Scene, live: &LiveSpec) -> LiveElectronicsParams {

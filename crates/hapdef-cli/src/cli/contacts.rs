@@ -3,10 +3,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hapdef::Limb;
-use hapdef::touch::{Touch, touch_estimator};
+use hapdef::touch::{Touch, given_loads, touch_estimator};
 use hapdef_cli::{SceneArgs, StandardOutput, TrainingArgs, shown};
 use serde_json::{Value, json};
 
@@ -35,6 +35,13 @@ pub(crate) struct ContactsArgs {
 
 pub(crate) fn run(args: &ContactsArgs) -> Result<()> {
     let run = args.training.prepare(&args.scene)?;
+    let given = given_loads(&run)?;
+    ensure!(
+        given.is_empty(),
+        "{}: the scene takes loads off by what its device measures beside the gauges, which a table lacks; take \
+         hapdef live with --source replay:FILE@max, or a scene whose loads were learned with --without-signals",
+        shown(&args.readings)
+    );
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let names: Vec<&str> = run.scene.gauges.sites.iter().map(|site| site.name.as_str()).collect();
     let frames = read_table(&args.readings, &args.topic, &[], &names)?;

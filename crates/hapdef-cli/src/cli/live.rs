@@ -13,7 +13,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{ArgGroup, Args};
 use hapdef::scene::Outputs;
 use hapdef::touch::{
-    EstimatorKind, SearchPlace, TouchEstimator, calibration_in_use, live_estimator,
+    EstimatorKind, SearchPlace, TouchEstimator, calibration_in_use, given_loads, live_estimator,
 };
 use hapdef::{Limb, Run, SOURCE_FORMS, SourceArg};
 use hapdef_cli::{JsonLines, SceneArgs, StandardOutput, TrainingArgs, shown};
@@ -21,11 +21,12 @@ use hapdef_contact::printable;
 use hapdef_daq::record::{Player, PlayerControl};
 use hapdef_daq::source::FrameSource;
 use hapdef_live::sinks::{CsvSink, JsonServer, JsonSink, TextSink};
-use hapdef_live::{Bundle, Live, LiveBuilder, LiveGauge, LiveParams, Retare};
+use hapdef_live::{Bundle, GivenLoads, Live, LiveBuilder, LiveGauge, LiveParams, Retare};
 use hapdef_rig::live::TruthFrame;
 
 use super::files::new_file;
 use super::lean::start_lean;
+use super::live_alert::AlertArgs;
 use super::live_end::{report, wait};
 use super::live_record::LiveRecorder;
 use super::live_ros::{Attached, Recordings, RosArgs};
@@ -41,6 +42,7 @@ use super::view::{FirstPaint, FirstPaintParams, Origin, Reach, Sim, View, ViewAr
     hapdef live shin.hapdef --source serial:/dev/serial/by-id/usb-Arduino_Due\n  \
     hapdef live shin.hapdef --source replay:press.mcap@max --json | jq .contacts\n  \
     hapdef live shin.hapdef --source replay:bag.mcap --topic /strain\n  \
+    hapdef live shin.hapdef --source tcp:10.0.0.7:7320 --alert udp:127.0.0.1:7400 --stop-n 5\n  \
     hapdef live fixtures/shin/placed.json --sim --seconds 10 --record press.mcap\n  \
     hapdef live fixtures/shin/placed.json --sim --view\n\n\
     Touch nothing while it tares. A device that goes away is waited for. Contacts go to the \
@@ -68,6 +70,9 @@ pub(crate) struct LiveArgs {
     sim_seed: u64,
     #[command(flatten)]
     view: ViewArgs,
+    /// Loads that are no contacts, as `hapdef loads` learned them, in place of the scene's.
+    #[arg(long, value_name = "FILE")]
+    loads: Option<PathBuf>,
     /// What finds contacts; the scene's estimator if not given.
     #[arg(long, value_parser = estimator_kind())]
     estimator: Option<EstimatorKind>,
@@ -80,6 +85,8 @@ pub(crate) struct LiveArgs {
     /// Send JSON lines to whoever connects, too: tcp:127.0.0.1:7650 or unix:PATH.
     #[arg(long, value_name = "ADDRESS")]
     serve: Option<String>,
+    #[command(flatten)]
+    alert: AlertArgs,
     #[command(flatten)]
     ros: RosArgs,
     /// Let --serve, --foxglove and --view-bind listen beyond this machine: whoever reaches the port
@@ -120,6 +127,10 @@ struct Model {
     noise_ue: f64,
     /// What a recording keeps of the calibration in use.
     calibration: Option<String>,
+    /// What the device measures of loads that are no contacts.
+    given: GivenLoads,
+    /// The middle of the mount, m.
+    mount_m: Option<[f64; 3]>,
     stop: Arc<AtomicBool>,
     view: Option<View>,
 }
@@ -168,6 +179,10 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
 
 impl Model {
     fn of_bundle(args: &LiveArgs, bundle: &Bundle) -> Result<Self> {
+        ensure!(
+            args.loads.is_none(),
+            "--loads: a bundle has its own; give the scene instead, or make it anew"
+        );
         let estimator = bundle.estimator(args.estimator, args.place())?;
         let Some(source) = &args.source else {
             bail!("--sim: the simulated rig is made from a scene: give that instead of its bundle")
@@ -185,13 +200,20 @@ impl Model {
             gauges: gauges.map(|g| gauge(&g.name, g.scale)).collect(),
             noise_ue: bundle.info.settings.noise_ue,
             calibration: bundle.calibration_json.clone(),
+            given: bundle.given.clone(),
+            mount_m: bundle.info.mount_m,
             stop: stop_flag()?,
             view,
         })
     }
 
     fn of_scene(args: &LiveArgs) -> Result<Self> {
-        let run = args.training.prepare(&args.scene)?;
+        let mut run = args.training.prepare(&args.scene)?;
+        if let Some(file) = &args.loads {
+            let file =
+                std::path::absolute(file).with_context(|| format!("--loads {}", shown(file)))?;
+            run.scene.loads.get_or_insert_default().learned = Some(file);
+        }
         let limb = Limb::load(&run.scene, &run.scene_dir)?;
         let kind = args.estimator.unwrap_or(run.scene.estimator.kind().in_stream());
         let out = &args.scene.results;
@@ -208,6 +230,8 @@ impl Model {
             gauges: sites.map(|site| gauge(&site.name, 1.0)).collect(),
             noise_ue: run.scene.estimator.superposition().noise_ue,
             calibration: calibration_in_use(&run, &limb)?,
+            given: given_loads(&run)?,
+            mount_m: Some(limb.mount_m().into()),
             stop: Arc::clone(&run.stop),
             view,
         };
@@ -242,14 +266,17 @@ impl Model {
             are_possible: args.view.is_wanted() && !args.is_recorded(),
             calibration: self.calibration,
         };
+        let mount_m = self.mount_m;
         if let Some(address) = args.ros.foxglove {
             check_reach("--foxglove", address, IS_READ, args.insecure_bind)?;
         }
         let Source { frames, truth, .. } = self.source;
-        let Attached { source, sink, recorder } = args.ros.attach(frames, truth, recordings)?;
+        let Attached { source, sink, recorder } =
+            args.ros.attach(frames, truth, recordings, mount_m)?;
         let mut builder = Live::boxed_builder(source)
             .params(params)
             .gauges(self.gauges)
+            .given(self.given)
             .boxed_estimator(self.estimator);
         if let Some(sink) = sink {
             builder = builder.sink(sink);
@@ -343,6 +370,9 @@ fn estimator_kind() -> impl TypedValueParser<Value = EstimatorKind> {
 }
 
 fn with_sinks(mut builder: LiveBuilder, args: &LiveArgs) -> Result<LiveBuilder> {
+    if let Some(sink) = args.alert.sink()? {
+        builder = builder.sink(sink);
+    }
     if let Some(address) = &args.serve {
         if let Some(address) = address.strip_prefix("tcp:") {
             check_reach("--serve", address, IS_READ, args.insecure_bind)?;

@@ -84,14 +84,16 @@ pub(super) struct RosSink {
 }
 
 impl RosArgs {
-    /// Attaches what is asked for to a source. `truth` tells what a simulated rig is pressed by.
+    /// Attaches what is asked for to a source. `truth` tells what a simulated rig is pressed by, `mount_m` is the
+    /// middle of the limb's mount.
     pub(super) fn attach(
         &self,
         source: Box<dyn FrameSource>,
         truth: Option<Receiver<TruthFrame>>,
         recordings: Recordings,
+        mount_m: Option<[f64; 3]>,
     ) -> Result<Attached> {
-        let params = self.params()?;
+        let params = RosParams { mount_m, ..self.params()? };
         let mut sinks: Vec<Box<dyn MessageSink>> = Vec::new();
         let mut names = Vec::new();
         if let Some(address) = self.foxglove {
@@ -228,6 +230,9 @@ impl Sink for RosSink {
             microstrain: &frame.tared_ue,
         })?;
         self.encoder.contacts(stamp_ns, frame.seq, &frame.touch)?;
+        if let Ok(contacts) = frame.known_contacts() {
+            self.encoder.net_wrench(stamp_ns, contacts)?;
+        }
         let now = Known {
             stamp_ns,
             phase: frame.phase,

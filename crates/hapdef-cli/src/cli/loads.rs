@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hapdef::touch::LearnedLoads;
-use hapdef::{Limb, Run, Source, SourceArg};
+use hapdef::{Limb, RawFrame, Run, Source, SourceArg};
 use hapdef_cli::{SceneArgs, print_json, shown};
 
-use super::table::read_table;
+use super::table::{Row, read_table};
 use super::topic::TopicArgs;
 
 /// Numbers of a frame that a contact takes: its place on the skin and its force.
@@ -54,6 +54,9 @@ pub(crate) struct LoadsArgs {
     /// Standard deviation of a reading's noise at least, µε; the scene's if absent.
     #[arg(long)]
     noise_ue: Option<f64>,
+    /// Learn from the gauges alone, also where the device has an inertial unit or a sensor of force.
+    #[arg(long)]
+    without_signals: bool,
     /// Print what was learned as JSON.
     #[arg(long)]
     json: bool,
@@ -61,7 +64,10 @@ pub(crate) struct LoadsArgs {
 
 pub(crate) fn run(args: &LoadsArgs) -> Result<()> {
     let run = args.scene.prepare()?;
-    let (from, frames) = frames(args, &run)?;
+    let (from, mut frames) = frames(args, &run)?;
+    if args.without_signals {
+        frames.iter_mut().for_each(|frame| frame.signals.clear());
+    }
     ensure!(
         frames.len() > args.tare_frames && args.tare_frames > 0,
         "{from}: expected more than the {} frames of --tare-frames (1 or more), found {}",
@@ -88,8 +94,8 @@ pub(crate) fn run(args: &LoadsArgs) -> Result<()> {
     Ok(())
 }
 
-/// Where they come from, and the frames `[n_frames][n_gauges]`, µε.
-fn frames(args: &LoadsArgs, run: &Run) -> Result<(String, Vec<Vec<f64>>)> {
+/// Where they come from, and the frames.
+fn frames(args: &LoadsArgs, run: &Run) -> Result<(String, Vec<RawFrame>)> {
     let scene = &run.scene;
     if args.sim {
         ensure!(
@@ -98,21 +104,25 @@ fn frames(args: &LoadsArgs, run: &Run) -> Result<(String, Vec<Vec<f64>>)> {
         );
         let limb = Limb::load(scene, &run.scene_dir)?;
         let source = Source::untouched_rig(Some(args.seconds.unwrap_or(SIM_S)), run, &limb)?;
-        return Ok((source.name(), source.raw_frames_ue(None)?));
+        return Ok((source.name(), source.raw_frames(None)?));
     }
     if let Some(source) = &args.source {
         let source = Source::open(&args.topic.of(source)?, scene)?;
-        return Ok((source.name(), source.raw_frames_ue(args.seconds)?));
+        return Ok((source.name(), source.raw_frames(args.seconds)?));
     }
     let table = args.table.as_deref().context("a table, --source or --sim")?;
     let names: Vec<&str> = scene.gauges.sites.iter().map(|site| site.name.as_str()).collect();
     let rows = read_table(table, &args.topic, &[], &names)?;
-    Ok((shown(table).to_string(), rows.into_iter().map(|row| row.values).collect()))
+    let frame = |row: Row| RawFrame { readings_ue: row.values, signals: Vec::new() };
+    Ok((shown(table).to_string(), rows.into_iter().map(frame).collect()))
 }
 
 fn print(args: &LoadsArgs, learned: &LearnedLoads) {
     let n = learned.gauges.len();
-    println!("{} loads in {} frames of {n} gauges", learned.sd.len(), learned.n_frames);
+    if !learned.signals.is_empty() {
+        println!("taken off by what the device measures: {}", learned.signals.join(", "));
+    }
+    println!("{} unknown loads in {} frames of {n} gauges", learned.sd.len(), learned.n_frames);
     for (i, strength_ue) in learned.strengths_ue().iter().enumerate() {
         println!("  {}: {strength_ue:.1} µε rms", i + 1);
     }

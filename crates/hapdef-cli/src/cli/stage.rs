@@ -8,6 +8,8 @@ use hapdef::{DrawnSkin, Limb, Pipeline, Run, Stage, Until};
 use hapdef_cli::{SceneArgs, print_json};
 use hapdef_contact::printable;
 
+use super::figure::figure;
+
 /// Reads the scene and its limb and says what is there.
 pub(crate) fn check(args: &SceneArgs) -> Result<()> {
     let run = args.prepare()?;
@@ -48,6 +50,13 @@ fn loads_in_words(run: &Run) -> Result<Option<String>> {
     };
     let learned = LearnedLoads::read(&run.scene_dir.join(file), &run.scene)?;
     let (n, n_frames) = (learned.sd.len(), learned.n_frames);
+    let n_given = learned.signals.len();
+    if n_given > 0 {
+        return Ok(Some(format!(
+            "taken off by {n_given} signals of the device, {n} unknown beside them, learned from {n_frames} frames in \
+             which nothing touched"
+        )));
+    }
     Ok(Some(format!("{n}, learned from {n_frames} frames in which nothing touched")))
 }
 
@@ -88,6 +97,7 @@ fn show(stage: &Stage, json: bool) -> Result<()> {
     println!("{:10} {origin:6} {:8.1} s", stage.record.stage, stage.record.elapsed_s);
     for (name, value) in stage.record.info.as_object().into_iter().flatten() {
         if !value.is_object() {
+            let (name, value) = figure(name, value);
             println!("    {name}: {value}");
         }
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader};
+use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::Arc;
@@ -109,7 +110,58 @@ fn a_recording_is_played_into_contacts() {
     a_full_disk_is_told_while_it_goes_on(&file, &recording, &path("full.mcap"));
     the_calibration_in_use_is_recorded(&bundle, &source, folder.path());
     limbs_have_topics_and_frames_of_their_own(&file, &source, folder.path());
+    a_controller_is_told_to_stop(&file, &source);
+    the_net_wrench_is_that_of_the_contact(&frames[799]);
     damage_is_told_and_counted(&file, &recording);
+}
+
+/// A press of 15 N that comes in 40 ms: unknown while it tares, clear, a warning, a stop, which the end of the program does not end.
+fn a_controller_is_told_to_stop(file: &str, source: &str) {
+    let controller = UdpSocket::bind("127.0.0.1:0").unwrap();
+    controller.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+    let address = format!("udp:{}", controller.local_addr().unwrap());
+    let live = ["live", file, "--source", source, "--tare-s", "0.2", "--json"];
+    let played =
+        hapdef(&[&live[..], &["--alert", &address, "--warn-n", "2", "--stop-n", "5:4"]].concat());
+    assert!(played.status.success(), "{played:?}");
+    let (mut letters, mut bytes) = (String::new(), [0; 64]);
+    controller.set_nonblocking(true).unwrap();
+    while let Ok(n) = controller.recv(&mut bytes) {
+        let line = std::str::from_utf8(&bytes[..n]).unwrap();
+        let [letter, force_n, t_ns] =
+            line.trim_end().split(' ').collect::<Vec<_>>().try_into().unwrap();
+        let force_n: f64 = force_n.parse().unwrap();
+        t_ns.parse::<u64>().unwrap();
+        assert_eq!(letter == "S" && force_n > 0.0, force_n >= 5.0, "{line}");
+        if !letters.ends_with(letter) {
+            letters += letter;
+        }
+    }
+    assert_eq!(letters, "UCWS");
+    refused(
+        &[&live[..], &["--alert", &address, "--stop-n", "2:3"]].concat(),
+        &["--stop-n", "3", "not above the force"],
+    );
+    refused(&[&live[..], &["--alert", "tcp:1.2.3.4:5"]].concat(), &["--alert", "udp:HOST:PORT"]);
+}
+
+/// About the origin: force f d, moment p × f d.
+fn the_net_wrench_is_that_of_the_contact(frame: &Value) {
+    let numbers = |value: &Value| [0, 1, 2].map(|i| value[i].as_f64().unwrap());
+    let contact = &frame["contacts"][0];
+    let direction = numbers(&contact["direction"]);
+    let force_n = direction.map(|d| d * contact["force_n"].as_f64().unwrap());
+    let [x, y, z] = numbers(&contact["position_m"]);
+    let [a, b, c] = force_n;
+    let moment_nm = [y * c - z * b, z * a - x * c, x * b - y * a];
+    for (name, expected) in [("force_n", force_n), ("moment_nm", moment_nm)] {
+        let found = numbers(&frame["wrench"][name]);
+        assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-9), "{name}: {found:?}");
+    }
+    let variance = frame["wrench"]["covariance"][0][0].as_f64().unwrap();
+    let force_sd_n = contact["force_sd_n"].as_f64().unwrap();
+    assert!((variance.sqrt() - force_sd_n * direction[0].abs()).abs() < 1e-9);
+    assert!(frame["t_done_ns"].as_u64().is_some());
 }
 
 /// Two limbs of a robot share no topic but those that all share, and no frame.

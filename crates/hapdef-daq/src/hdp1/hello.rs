@@ -36,6 +36,14 @@ pub enum ChannelKind {
     Temperature,
     /// A voltage.
     Volt,
+    /// An axis of an accelerometer, m/s².
+    Acceleration,
+    /// An axis of a gyroscope, rad/s.
+    AngularRate,
+    /// A force, N.
+    Force,
+    /// A torque, N m.
+    Torque,
     /// Nothing.
     Unused,
     /// A kind that a later minor version brought, by its number.
@@ -153,6 +161,10 @@ impl ChannelKind {
             Self::FullBridge => 2,
             Self::Temperature => 3,
             Self::Volt => 4,
+            Self::Acceleration => 5,
+            Self::AngularRate => 6,
+            Self::Force => 7,
+            Self::Torque => 8,
             Self::Unused => 255,
             Self::Other(code) => code,
         }
@@ -165,6 +177,10 @@ impl ChannelKind {
             2 => Self::FullBridge,
             3 => Self::Temperature,
             4 => Self::Volt,
+            5 => Self::Acceleration,
+            6 => Self::AngularRate,
+            7 => Self::Force,
+            8 => Self::Torque,
             255 => Self::Unused,
             other => Self::Other(other),
         }

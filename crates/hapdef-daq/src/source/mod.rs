@@ -27,7 +27,7 @@ pub use ports::{PortInfo, permission_remedy, serial_ports};
 pub use protocol::Protocol;
 pub use replay::ReplaySource;
 #[cfg(feature = "serial")]
-pub use serial::{SerialLink, SerialParams};
+pub use serial::{SerialLink, SerialOutput, SerialParams};
 pub use stream::{StreamParams, StreamSource};
 pub use tcp::TcpLink;
 #[cfg(feature = "tokio")]

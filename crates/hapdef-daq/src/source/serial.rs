@@ -29,9 +29,35 @@ pub struct SerialLink {
     has_low_latency: bool,
 }
 
+/// A serial port that is only written to, and never waited for: a write that finds no room fails with
+/// [`ErrorKind::TimedOut`].
+#[derive(Debug)]
+pub struct SerialOutput(TTYPort);
+
 impl Default for SerialParams {
     fn default() -> Self {
         Self { baud: 115_200, low_latency: true }
+    }
+}
+
+impl SerialOutput {
+    /// Opens a port for writing.
+    ///
+    /// # Errors
+    /// [`LinkFault`] as [`Link::open`].
+    pub fn open(path: &str, params: &SerialParams) -> Result<Self, LinkFault> {
+        let port = builder(path, params).timeout(Duration::ZERO).open_native();
+        Ok(Self(port.map_err(|error| refused(path, &error))?))
+    }
+}
+
+impl Write for SerialOutput {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
     }
 }
 

@@ -34,6 +34,8 @@ pub struct Conditioner {
     tare_temperature_k: Option<f64>,
     /// Running means of the readings since the last frame that was surely touched `[n_gauges]`.
     slow: Vec<f64>,
+    /// Raw readings less what measured loads read `[n_gauges]`.
+    net: Vec<f64>,
     n_slow: usize,
     /// Frames that baselines have not learned from yet `[lag_frames + 1][n_gauges + 2]`: raw values less drift, the
     /// temperature above the tare's, the time since the release.
@@ -75,6 +77,7 @@ impl Conditioner {
             moved: Vec::new(),
             tare_temperature_k: None,
             slow: vec![0.0; n],
+            net: vec![0.0; n],
             n_slow: 0,
             ring: vec![0.0; (params.lag_frames + 1) * (n + 2)],
             ring_start: 0,
@@ -234,8 +237,43 @@ impl Conditioner {
         temperature_k: Option<f64>,
         out: &mut Conditioned,
     ) -> Result<(), InverseError> {
+        self.step_beside(raw, None, temperature_k, out)
+    }
+
+    /// The same with loads that are measured, whose part `of_loads` `[n_gauges]` of the readings is taken off; gauges
+    /// are judged by what they read.
+    ///
+    /// # Errors
+    /// As [`Conditioner::step_into`].
+    pub fn step_beside(
+        &mut self,
+        raw: &[f64],
+        of_loads: Option<&[f64]>,
+        temperature_k: Option<f64>,
+        out: &mut Conditioned,
+    ) -> Result<(), InverseError> {
         let n = self.trackers.len();
         check_length("the raw readings", n, raw.len())?;
+        check_length("what measured loads read", n, of_loads.map_or(n, <[f64]>::len))?;
+        let mut net = std::mem::take(&mut self.net);
+        net.copy_from_slice(raw);
+        if let Some(of_loads) = of_loads {
+            net.iter_mut().zip(of_loads).for_each(|(net, load)| *net -= load);
+        }
+        let stepped = self.step(raw, &net, temperature_k, out);
+        self.net = net;
+        stepped
+    }
+
+    /// A frame of readings `raw`, of which `net` are the loads' rest.
+    fn step(
+        &mut self,
+        raw: &[f64],
+        net: &[f64],
+        temperature_k: Option<f64>,
+        out: &mut Conditioned,
+    ) -> Result<(), InverseError> {
+        let n = self.trackers.len();
         check_length("the conditioned readings", n, out.readings.len())?;
         let temperature_k = temperature_k.filter(|t| t.is_finite());
         if self.tare_temperature_k.is_none() {
@@ -247,16 +285,16 @@ impl Conditioner {
         };
         (out.tare_end, out.drift) = (None, DriftState::Still);
         if self.is_taring {
-            self.add_to_tare(raw, out);
+            self.add_to_tare(net, out);
             return Ok(());
         }
         self.drift.pass();
-        self.take_off(raw, warmer_k, out);
+        self.take_off(net, warmer_k, out);
         self.find_faults(raw, out);
         // contacts and zeros are judged by what loads leave
         self.loads.take_off(&mut out.readings, &out.live);
         let is_new = self.decide(out);
-        self.follow(raw, warmer_k, is_new, out);
+        self.follow(net, warmer_k, is_new, out);
         let is_touched = self.touch.is_touched;
         if let Some(moved) = self.drift.take(out, &self.params.gauge_sd, is_touched) {
             // as what is learned

@@ -19,6 +19,7 @@ pub(super) const FACES: &str = "skin.faces";
 pub(super) const FORBIDDEN: &str = "skin.forbidden";
 pub(super) const MAP: &str = "map.ue_per_n";
 pub(super) const SITE_ERROR: &str = "map.site_error";
+pub(super) const GIVEN: &str = "loads.given_ue";
 pub(super) const LOADS: &str = "loads.response_ue";
 pub(super) const LOAD_SDS: &str = "loads.sd";
 pub(super) const MODE: &str = "mode.";
@@ -30,6 +31,9 @@ pub(super) const NET: &str = "net.";
 pub(super) struct Header {
     pub(super) version: u32,
     pub(super) info: BundleInfo,
+    /// Signals of the loads that are measured, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) signals: Vec<String>,
     pub(super) modes: Vec<ModeHeader>,
     /// blake3 of each tensor's type, shape and bytes, by name.
     pub(super) hashes: BTreeMap<String, String>,
@@ -62,10 +66,11 @@ pub(super) struct AnyInfo {
 impl Header {
     pub(super) fn new(
         info: BundleInfo,
+        signals: Vec<String>,
         modes: Vec<ModeHeader>,
         hashes: BTreeMap<String, String>,
     ) -> Self {
-        Self { version: BUNDLE_VERSION, info, modes, hashes }
+        Self { version: BUNDLE_VERSION, info, signals, modes, hashes }
     }
 }
 

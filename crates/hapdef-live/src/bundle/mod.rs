@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use hapdef_inverse::{
-    ContactEstimator, ModeMap, ModeScope, OtherLoads, ResponseMap, Skin, SkinFaces, SkinParams,
+    ContactEstimator, ModeScope, OtherLoads, ResponseMap, Skin, SkinFaces, SkinParams,
     TrackerParams,
 };
 use nalgebra::Vector3;
@@ -21,6 +21,7 @@ use crate::error::LiveError;
 use crate::estimator::{
     EstimatorKind, SearchPlace, Superposition, SuperpositionSettings, TouchEstimator, Tracking,
 };
+use crate::signals::GivenLoads;
 
 /// Version of the form that is written and read here.
 pub const BUNDLE_VERSION: u32 = 2;
@@ -37,6 +38,8 @@ pub struct Bundle {
     pub site_error: Vec<f64>,
     /// Loads on the whole limb that are no contacts, µε per unit; none where there are none.
     pub loads: OtherLoads,
+    /// Loads that the device measures, µε per unit of its signals; none where there are none.
+    pub given: GivenLoads,
     /// What may change the response, for calibration without a finite-element model; may be empty.
     pub modes: Vec<BundleMode>,
     /// What the map was calibrated with, JSON, if it was.
@@ -60,6 +63,9 @@ pub struct BundleInfo {
     pub deck_hash: Option<String>,
     /// The gauges in the order of the map.
     pub gauges: Vec<BundleGauge>,
+    /// The middle of the mount, m, where it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mount_m: Option<[f64; 3]>,
     /// What finds contacts, as the scene chooses it.
     pub estimator: EstimatorKind,
     /// How contacts are looked for by superposition, and how many there are at most.
@@ -121,6 +127,7 @@ impl Bundle {
             scene_json: String::new(),
             site_error: Vec::new(),
             loads: OtherLoads::default(),
+            given: GivenLoads::default(),
             modes: Vec::new(),
             calibration_json: None,
             nets: BTreeMap::new(),
@@ -139,15 +146,6 @@ impl Bundle {
     #[must_use]
     pub fn skin(&self) -> &Skin {
         self.map.skin()
-    }
-
-    /// The modes as a calibration takes them.
-    #[must_use]
-    pub fn mode_maps(&self) -> Vec<ModeMap<'_>> {
-        self.modes
-            .iter()
-            .map(|mode| ModeMap { map: &mode.map, scope: mode.scope, prior_sd: mode.prior_sd })
-            .collect()
     }
 
     /// The search for contacts on the bundle's map.

@@ -9,11 +9,12 @@ use nalgebra::{Point3, Vector3};
 use safetensors::{Dtype, SafeTensors};
 
 use super::header::{
-    AnyHeader, CALIBRATION, ENTRY, FACES, FORBIDDEN, Header, LOAD_SDS, LOADS, MAP, MODE, NET,
-    NODES, OUTWARD, SCENE, SITE_ERROR, hash, tensor_hash,
+    AnyHeader, CALIBRATION, ENTRY, FACES, FORBIDDEN, GIVEN, Header, LOAD_SDS, LOADS, MAP, MODE,
+    NET, NODES, OUTWARD, SCENE, SITE_ERROR, hash, tensor_hash,
 };
 use super::{BUNDLE_VERSION, Bundle, BundleMode, SkinShape, map_on};
 use crate::error::LiveError;
+use crate::signals::{GivenLoads, UnknownSignal};
 
 impl Bundle {
     /// Reads a bundle and checks every part of it.
@@ -63,6 +64,12 @@ impl Bundle {
                 }
             }
         };
+        let signals: Result<Vec<_>, _> = header.signals.iter().map(|word| word.parse()).collect();
+        let signals = signals.map_err(|e: UnknownSignal| parts.refused(e.to_string()))?;
+        let given = match signals.len() {
+            0 => GivenLoads::default(),
+            n => GivenLoads { signals, response_ue: parts.numbers(GIVEN, &[n, n_gauges])? },
+        };
         let has_calibration = parts.find(CALIBRATION).is_some();
         let calibration = has_calibration.then(|| parts.text(CALIBRATION));
         Ok(Self {
@@ -74,6 +81,7 @@ impl Bundle {
             outward,
             site_error,
             loads,
+            given,
             modes,
         })
     }

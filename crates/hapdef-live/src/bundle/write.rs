@@ -9,8 +9,8 @@ use safetensors::tensor::{TensorView, serialize};
 use safetensors::{Dtype, SafeTensorError};
 
 use super::header::{
-    CALIBRATION, ENTRY, FACES, FORBIDDEN, Header, LOAD_SDS, LOADS, MAP, MODE, ModeHeader, NET,
-    NODES, OUTWARD, SCENE, SITE_ERROR, hash, tensor_hash,
+    CALIBRATION, ENTRY, FACES, FORBIDDEN, GIVEN, Header, LOAD_SDS, LOADS, MAP, MODE, ModeHeader,
+    NET, NODES, OUTWARD, SCENE, SITE_ERROR, hash, tensor_hash,
 };
 use super::{Bundle, skin_corners};
 use crate::error::LiveError;
@@ -35,7 +35,8 @@ impl Bundle {
             prior_sd: mode.prior_sd,
         };
         let modes = self.modes.iter().map(mode).collect();
-        let header = Header::new(self.info.clone(), modes, hashes);
+        let signals = self.given.signals.iter().map(ToString::to_string).collect();
+        let header = Header::new(self.info.clone(), signals, modes, hashes);
         let refused = |what: String| LiveError::NotABundle { file: self.info.scene.clone(), what };
         let json = serde_json::to_string(&header).map_err(|e| refused(e.to_string()))?;
         let entry = format!("{} {json}", hash(json.as_bytes()));
@@ -65,6 +66,11 @@ impl Bundle {
             let response = Part::of_f64(response.iter(), vec![n_loads, n_gauges]);
             parts.insert(LOADS.to_owned(), response);
             parts.insert(LOAD_SDS.to_owned(), Part::of_f64(sd.iter(), vec![n_loads]));
+        }
+        if !self.given.is_empty() {
+            let shape = vec![self.given.signals.len(), n_gauges];
+            let part = Part::of_f64(self.given.response_ue.iter(), shape);
+            parts.insert(GIVEN.to_owned(), part);
         }
         for (i, mode) in self.modes.iter().enumerate() {
             parts.insert(format!("{MODE}{i}"), of_map(&mode.map.nodal()));

@@ -41,12 +41,6 @@ impl Superposition {
         }
     }
 
-    /// The last frame's estimate in full.
-    #[must_use]
-    pub fn estimate_in_full(&self) -> &ContactEstimate {
-        &self.estimate
-    }
-
     /// The estimator, its buffers dropped.
     #[must_use]
     pub fn into_estimator(self) -> ContactEstimator {

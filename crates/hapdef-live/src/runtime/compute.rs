@@ -22,6 +22,7 @@ use super::{LiveGauge, LiveParams, Shared};
 use crate::estimator::{TouchEstimator, TouchFrame};
 use crate::frame::LiveFrame;
 use crate::health::Health;
+use crate::signals::GivenLoads;
 use crate::sink::{LiveEvent, Wants};
 use conditioning::Conditioning;
 use tare::TareWatch;
@@ -39,6 +40,7 @@ pub(super) struct Setup {
     pub(super) noise_ue: f64,
     pub(super) gauges: Vec<LiveGauge>,
     pub(super) n_gauges: Option<usize>,
+    pub(super) given: GivenLoads,
     pub(super) estimator: Option<Box<dyn TouchEstimator>>,
     pub(super) wants: Wants,
     pub(super) source_name: String,
@@ -171,7 +173,9 @@ impl Compute {
         let conditioned_ns = self.now_ns();
         self.estimate();
         let done_ns = self.now_ns();
-        self.frame.t_done_ns = done_ns;
+        // When a recorded frame was done says nothing, and a replay is to be the same each time.
+        self.frame.t_done_ns =
+            if self.setup.params.is_recorded { frame.t_host_ns } else { done_ns };
         for worker in &mut self.workers {
             worker.frame(&self.frame, &self.shared.stop);
         }
@@ -203,6 +207,7 @@ impl Compute {
                 return false;
             };
             to.temperature = temperature;
+            device.read_signals(frame.t_device_us, &mut to.signals);
         }
         (to.seq, to.scan, to.flags) = (frame.seq, frame.scan, frame.flags);
         to.n_lost_before = frame.n_lost_before;
@@ -291,6 +296,7 @@ impl Compute {
                 let accepted = without_realtime(priority, || estimator.set_least_noise(&least_ue));
                 accepted.map_err(|error| error.to_string())?;
             }
+            self.check_given(&device)?;
             let conditioning = self.conditioning(&device);
             self.conditioning = conditioning.map_err(|error| error.to_string())?;
             self.frame = empty(device.n_gauges());

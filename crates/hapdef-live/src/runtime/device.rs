@@ -7,6 +7,7 @@ use hapdef_daq::hdp1::{Channel, ChannelKind, Hello, MAX_CHANNELS, SampleFormat, 
 
 use super::LiveGauge;
 use super::channels::gauge_channels;
+use crate::signals::{LoadSignal, SignalReader};
 
 /// A device that the gauges were found on.
 #[derive(Clone, Debug)]
@@ -17,6 +18,7 @@ pub(super) struct Device {
     /// Factor of each gauge.
     scales: Vec<f64>,
     temperature: Option<usize>,
+    signals: SignalReader,
     /// Time between frames, s.
     pub(super) period_s: f64,
     /// All channels in their units.
@@ -46,6 +48,7 @@ impl Device {
         let is_rate_known = hello.rate_mhz > 0;
         Ok(Self {
             temperature: channels.iter().position(is_temperature),
+            signals: SignalReader::new(channels),
             scales: (0..places.len()).map(of_gauge).collect(),
             gauges: places,
             period_s: if is_rate_known { hello.scan_period_us() * 1e-6 } else { 1.0 / rate_hz },
@@ -85,6 +88,18 @@ impl Device {
             *raw = self.scaled[channel] * scale;
         }
         Some(self.temperature.map(|channel| self.scaled[channel]))
+    }
+
+    /// The signals of the frame that was read last, into `signals`.
+    pub(super) fn read_signals(&mut self, t_us: u64, signals: &mut Vec<(LoadSignal, f64)>) {
+        self.signals.read(&self.scaled, t_us, signals);
+    }
+
+    /// The signals it has, in their order.
+    pub(super) fn signals(&self) -> Vec<LoadSignal> {
+        let mut signals = Vec::new();
+        self.signals.clone().read(&self.scaled, 0, &mut signals);
+        signals.into_iter().map(|(signal, _)| signal).collect()
     }
 
     pub(super) fn take_status(&mut self, status: Status) {

@@ -28,6 +28,7 @@ use crate::health::Health;
 use crate::runtime::compute::{Compute, Setup};
 use crate::runtime::sink_worker::{SinkThread, SinkWorker};
 use crate::runtime::source::{InFlight, LiveSource};
+use crate::signals::GivenLoads;
 use crate::sink::{Sink, Wants};
 use crate::tare_fault::Retare;
 
@@ -91,6 +92,7 @@ pub struct LiveBuilder {
     params: LiveParams,
     gauges: Vec<LiveGauge>,
     noise_ue: f64,
+    given: GivenLoads,
     estimator: Option<Box<dyn TouchEstimator>>,
     sinks: Vec<Box<dyn Sink>>,
 }
@@ -173,6 +175,7 @@ impl LiveBuilder {
             |gauge: &crate::BundleGauge| LiveGauge { name: gauge.name.clone(), scale: gauge.scale };
         self.gauges = bundle.info.gauges.iter().map(gauge).collect();
         self.noise_ue = bundle.info.settings.noise_ue;
+        self.given = bundle.given.clone();
         self
     }
 
@@ -180,6 +183,13 @@ impl LiveBuilder {
     #[must_use]
     pub fn gauges(mut self, gauges: Vec<LiveGauge>) -> Self {
         self.gauges = gauges;
+        self
+    }
+
+    /// Loads on the whole limb that the device measures: what they read is taken off.
+    #[must_use]
+    pub fn given(mut self, given: GivenLoads) -> Self {
+        self.given = given;
         self
     }
 
@@ -218,6 +228,9 @@ impl LiveBuilder {
         self.params.check()?;
         let n_gauges = self.n_gauges()?;
         let wants = self.wanted()?;
+        if let Some(n_gauges) = n_gauges {
+            self.given.check(n_gauges)?;
+        }
         let shared = Arc::new(Shared::new());
         let params = self.params;
         let source_name = self.source.name();
@@ -244,6 +257,7 @@ impl LiveBuilder {
             params,
             gauges: self.gauges,
             n_gauges,
+            given: self.given,
             estimator: self.estimator,
             wants,
             source_name,
@@ -290,6 +304,7 @@ impl Live {
             params: LiveParams::default(),
             gauges: Vec::new(),
             noise_ue: 1.0,
+            given: GivenLoads::default(),
             estimator: None,
             sinks: Vec::new(),
         }

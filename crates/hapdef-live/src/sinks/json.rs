@@ -2,7 +2,8 @@
 
 use std::io::Write;
 
-use hapdef_contact::{Contact, GaugeHealth, Phase, TouchPhase, UnknownReason, WhyNot};
+use hapdef_contact::{Contact, GaugeHealth, Phase, TouchPhase, UnknownReason, WhyNot, Wrench};
+use nalgebra::Point3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -28,6 +29,7 @@ struct Line<'a> {
     scan: u8,
     t_device_us: u64,
     t_host_ns: u64,
+    t_done_ns: u64,
     lost_before: u32,
     dropped_before: u32,
     skipped_before: u32,
@@ -42,6 +44,7 @@ struct Line<'a> {
     bad_gauges: Vec<(usize, &'static str)>,
     contacts: Vec<ContactLine>,
     released: &'a [u64],
+    wrench: Option<WrenchLine>,
     quality: Option<QualityLine>,
     alternatives: Vec<AlternativeLine>,
 }
@@ -55,6 +58,15 @@ struct ContactLine {
     force_n: f64,
     position_sd_m: Option<f64>,
     force_sd_n: Option<f64>,
+}
+
+/// About the origin of the limb's frame.
+#[derive(Serialize)]
+struct WrenchLine {
+    force_n: [f64; 3],
+    moment_nm: [f64; 3],
+    /// Row by row.
+    covariance: Option<[[f64; 6]; 6]>,
 }
 
 #[derive(Serialize)]
@@ -223,6 +235,7 @@ impl<'a> Line<'a> {
             scan: frame.scan,
             t_device_us: frame.t_device_us,
             t_host_ns: frame.t_host_ns,
+            t_done_ns: frame.t_done_ns,
             lost_before: frame.n_lost_before,
             dropped_before: frame.n_dropped_before,
             skipped_before: frame.n_skipped_before,
@@ -239,9 +252,25 @@ impl<'a> Line<'a> {
                 .collect(),
             contacts: touch.contacts.iter().map(ContactLine::of).collect(),
             released: &touch.released,
+            wrench: WrenchLine::of_frame(frame),
             quality,
             alternatives: alternatives.collect(),
         }
+    }
+}
+
+impl WrenchLine {
+    /// None where a controller may not act on it; without contacts no covariance.
+    fn of_frame(frame: &LiveFrame) -> Option<Self> {
+        let contacts = frame.known_contacts().ok()?;
+        let wrench = Wrench::of(contacts, Point3::origin())?;
+        let covariance = wrench.covariance.filter(|_| !contacts.is_empty());
+        Some(Self {
+            force_n: wrench.force_n.into(),
+            moment_nm: wrench.moment_nm.into(),
+            // symmetric: columns are rows
+            covariance: covariance.map(Into::into),
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 A :class:`Scene` is a limb with its gauges, as a scene file says it. From it come the
 :class:`Response` of its gauges, :class:`Layout` s of other gauges, the simulated :class:`Rig`, a
 :class:`Calibration` by presses, trained nets, an :class:`Estimator` for arrays of frames and
-:class:`Live` contacts. :class:`Shell` needs no more than a glTF surface.
+:class:`Live` contacts. A :class:`TouchSensor` is the limb's skin in a simulator of robots. :class:`Shell` needs no more than a glTF surface.
 
 Units are in the names: ``_m`` metres, ``_n`` newtons, ``_ue`` microstrain, ``_s`` seconds. Arrays
 have their shapes in the docstrings. Long work lets other threads run and ends on Ctrl-C.
@@ -16,6 +16,7 @@ from ._hapdef import (
     Estimates,
     Estimator,
     HapdefError,
+    JointTorques,
     Layout,
     Live,
     LiveFrame,
@@ -25,6 +26,8 @@ from ._hapdef import (
     Scene,
     SceneError,
     Shell,
+    TouchSensor,
+    Wrench,
     __version__,
 )
 
@@ -35,6 +38,7 @@ __all__ = [
     "Estimates",
     "Estimator",
     "HapdefError",
+    "JointTorques",
     "Layout",
     "Live",
     "LiveFrame",
@@ -44,5 +48,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Shell",
+    "TouchSensor",
+    "Wrench",
     "__version__",
 ]

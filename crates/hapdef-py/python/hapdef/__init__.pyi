@@ -157,6 +157,12 @@ class Scene:
         the cache; a training that was stopped goes on."""
     def estimator(self, kind: Optional[_Kind] = None) -> "Estimator":
         """What finds contacts in arrays of frames: the scene's own estimator if None."""
+    def learn_loads(
+        self, frames: list["LiveFrame"], path: _Path, *, still: int = 200, margin: float = 2.0
+    ) -> list[float]:
+        """Learns loads that are no contacts from frames in which nothing touches, the first ``still`` of them of a robot
+        that stands still; writes them for the scene's ``loads.learned``. How strongly each unknown one moved the
+        gauges, µε rms."""
     def live(
         self,
         source: Optional[str] = None,
@@ -175,6 +181,33 @@ class Scene:
         tare_s: time whose mean is the tare; touch nothing.
         seed: of the simulated presses.
         topic: read the numbers of this topic, µε, of a ``replay:`` of an MCAP file of another program.
+        """
+
+@final
+class TouchSensor:
+    """A simulated skin for a simulator of robots: what presses and loads the limb goes in step by step, gauge readings
+    and contacts come out."""
+
+    def __new__(cls, scene: Scene, *, rate_hz: float = 1000.0, tare_s: float = 1.0) -> "TouchSensor":
+        """The simulated rig of a scene with the live estimator behind it; nothing may touch for ``tare_s``."""
+    def step(
+        self,
+        positions_m: Optional[ArrayLike] = None,
+        forces_n: Optional[ArrayLike] = None,
+        *,
+        specific_force_m_s2: Optional[ArrayLike] = None,
+        angular_rate_rad_s: Optional[ArrayLike] = None,
+        angular_acceleration_rad_s2: Optional[ArrayLike] = None,
+        flange_force_n: Optional[ArrayLike] = None,
+        flange_moment_nm: Optional[ArrayLike] = None,
+        warmer_k: float = 0.0,
+    ) -> "LiveFrame":
+        """The next frame; all in the limb's frame, the rest as far as the scene's ``loads`` have it.
+
+        positions_m, forces_n: ``[n, 3]`` each, forces on the limb at the nearest points of its surface; what pulls is
+            left out.
+        specific_force_m_s2: gravity less the acceleration of the limb's origin, ``[3]``.
+        flange_force_n, flange_moment_nm: of the next joint on the limb, the moment about the middle of the flange.
         """
 
 @final
@@ -414,10 +447,47 @@ class LiveFrame:
     def tared_ue(self) -> _Floats:
         """Readings less tare and drift, µε, ``[n_gauges]``."""
     @property
+    def signals(self) -> dict[str, float]:
+        """What else the device measures of how the whole limb is loaded, such as ``acceleration_0``, as it came."""
+    @property
     def contacts(self) -> list[Contact]: ...
+    def wrench(self, about_m: Optional[ArrayLike] = None) -> Optional[Wrench]:
+        """The net wrench of the contacts about a point of the limb's frame, m, ``[3]``, its origin if None."""
     @property
     def released(self) -> list[int]:
         """Names of contacts that were let go in this frame."""
+
+@final
+class Wrench:
+    """The force and moment of all contacts together."""
+
+    @property
+    def about_m(self) -> _Floats:
+        """The point of the limb's frame that the moment is about, m, ``[3]``."""
+    @property
+    def force_n(self) -> _Floats:
+        """The force on the limb, N, ``[3]``."""
+    @property
+    def moment_nm(self) -> _Floats: ...
+    @property
+    def covariance(self) -> Optional[_Floats]:
+        """Covariance of (force, moment), ``[6, 6]``; errors of contacts are taken as independent."""
+    def about(self, point_m: ArrayLike) -> Wrench:
+        """The same about another point, m, ``[3]``."""
+    def joint_torques(self, jacobian: ArrayLike) -> JointTorques:
+        """External torques of joints by the geometric Jacobian ``[6, n_joints]`` of the point ``about_m``, linear
+        velocity first, in the limb's axes: the order of KDL and Pinocchio."""
+
+@final
+class JointTorques:
+    """What a wrench puts on joints."""
+
+    @property
+    def torques(self) -> _Floats:
+        """N m of joints that turn, N of those that slide, ``[n_joints]``."""
+    @property
+    def covariance(self) -> Optional[_Floats]:
+        """``[n_joints, n_joints]``."""
 
 @final
 class Live:

@@ -7,10 +7,14 @@ use hapdef_daq::hdp1::{
     SampleFormat, Status,
 };
 
+use nalgebra::Vector3;
+
 use super::electronics::LiveElectronics;
 use super::limb::LiveLimb;
+use super::loads::LoadHandle;
 use super::play::Play;
 use super::press::{PressHandle, Pressed, TruthFrame};
+use super::sensors::{LoadSensorParams, LoadSensors};
 use crate::error::RigError;
 
 /// Counts of the temperature channel per °C.
@@ -29,8 +33,10 @@ pub struct RigDeviceParams {
     pub boot_id: u32,
     /// Names of the gauges `[n_gauges]`, of which four characters are sent; G0, G1, … if empty.
     pub names: Vec<String>,
-    /// Adds a last channel with the temperature, 0.01 °C a count.
+    /// Adds a channel with the temperature, 0.01 °C a count.
     pub has_temperature: bool,
+    /// Adds channels that measure the loads on the whole limb.
+    pub load_sensors: Option<LoadSensorParams>,
 }
 
 /// The device: limb, electronics, what presses, and HDP1. It does no input or output; a port, a link
@@ -39,7 +45,9 @@ pub struct RigDevice {
     limb: Arc<LiveLimb>,
     play: Option<Play>,
     press: PressHandle,
+    loads: LoadHandle,
     electronics: LiveElectronics,
+    load_sensors: Option<LoadSensors>,
     params: RigDeviceParams,
     hello: Hello,
     encoder: Encoder,
@@ -66,6 +74,7 @@ impl Default for RigDeviceParams {
             boot_id: 1,
             names: Vec::new(),
             has_temperature: false,
+            load_sensors: None,
         }
     }
 }
@@ -83,7 +92,9 @@ impl RigDevice {
         params: RigDeviceParams,
     ) -> Result<Self, RigError> {
         check(&limb, &electronics, &params)?;
-        let hello = hello(&electronics, &params);
+        let new = |params| LoadSensors::new(limb.loads(), params);
+        let load_sensors = params.load_sensors.as_ref().map(new);
+        let hello = hello(&electronics, load_sensors.as_ref(), &params);
         let mut encoder = Encoder::new();
         encoder.hello(&hello, 0, &mut Vec::new())?;
         let (n, n_channels) = (limb.n_gauges(), hello.channels.len());
@@ -91,7 +102,9 @@ impl RigDevice {
             limb,
             play: script,
             press: PressHandle::new(),
+            loads: LoadHandle::default(),
             electronics,
+            load_sensors,
             hello,
             encoder,
             decoder: Decoder::new(),
@@ -116,6 +129,12 @@ impl RigDevice {
         self.press.clone()
     }
 
+    /// What loads the whole limb by hand, in place of its waves.
+    #[must_use]
+    pub fn load_handle(&self) -> LoadHandle {
+        self.loads.clone()
+    }
+
     /// The limb.
     #[must_use]
     pub fn limb(&self) -> &Arc<LiveLimb> {
@@ -138,12 +157,6 @@ impl RigDevice {
     #[must_use]
     pub fn truth(&self) -> &TruthFrame {
         &self.truth
-    }
-
-    /// End of the script, s; `None` without one, or if it goes on for ever.
-    #[must_use]
-    pub fn script_end_s(&self) -> Option<f64> {
-        self.play.as_ref().and_then(Play::end_s)
     }
 
     /// True time of the next frame since the play began, s.
@@ -257,6 +270,7 @@ impl RigDevice {
 
     fn sample(&mut self) {
         let t_s = self.next_t_s();
+        let rate_rad_s = self.load(t_s);
         let contacts = &mut self.truth.contacts;
         contacts.clear();
         if let Some(play) = &self.play {
@@ -265,9 +279,7 @@ impl RigDevice {
         self.press.read_into(&mut self.pressed);
         contacts.extend(self.pressed.iter().filter_map(|p| p.on(&self.limb)));
         self.strain_ue.fill(0.0);
-        self.limb.loads().add_strain_ue(t_s, &mut self.strain_ue);
-        self.truth.loads.clear();
-        self.truth.loads.extend(self.limb.loads().amounts(t_s));
+        self.limb.loads().add_strain_ue(&self.truth.loads, &mut self.strain_ue);
         for contact in contacts.iter() {
             let force = contact.force_vector_n();
             self.limb.add_strain_ue(&contact.point, &force, &mut self.strain_ue);
@@ -278,6 +290,10 @@ impl RigDevice {
         if self.params.has_temperature {
             self.codes[n] = (celsius * TEMPERATURE_PER_C).round() as i32;
         }
+        if let Some(sensors) = &mut self.load_sensors {
+            let codes = &mut self.codes[n + usize::from(self.params.has_temperature)..];
+            sensors.sample(&self.truth.loads, &rate_rad_s, codes);
+        }
         self.truth.boot_id = self.params.boot_id;
         self.truth.seq = self.encoder.seq();
         self.truth.t_device_us = self.t_device_us();
@@ -287,6 +303,22 @@ impl RigDevice {
         self.status.temperature_centi_c = (celsius * 100.0).round() as i16;
         let uptime_s = (self.n_samples - self.n_before_boot) as f64 / self.params.rate_hz;
         self.status.uptime_s = uptime_s as u32;
+    }
+
+    /// Takes over how much there is of each load: what was set by hand, or the waves. The limb's angular rate.
+    fn load(&mut self, t_s: f64) -> Vector3<f64> {
+        let (waves, amounts) = (self.limb.loads(), &mut self.truth.loads);
+        amounts.clear();
+        match self.loads.get() {
+            Some(by_hand) => {
+                amounts.extend(waves.loads().iter().map(|load| by_hand.amount(*load)));
+                by_hand.angular_rate_rad_s
+            }
+            None => {
+                amounts.extend(waves.amounts(t_s));
+                Vector3::from_fn(|i, _| waves.rate_rad_s(i, t_s))
+            }
+        }
     }
 
     fn say_hello(&mut self, out: &mut Vec<u8>) {
@@ -320,7 +352,11 @@ fn check(
     require(n == limb.n_gauges(), "electronics", expected, n as f64)
 }
 
-fn hello(electronics: &LiveElectronics, params: &RigDeviceParams) -> Hello {
+fn hello(
+    electronics: &LiveElectronics,
+    load_sensors: Option<&LoadSensors>,
+    params: &RigDeviceParams,
+) -> Hello {
     let format = match electronics.adc_bits() {
         ..=16 => SampleFormat::I16,
         17..=24 => SampleFormat::I24,
@@ -343,7 +379,11 @@ fn hello(electronics: &LiveElectronics, params: &RigDeviceParams) -> Hello {
         uid: Hello::RIG_UID,
         boot_id: params.boot_id,
         firmware: 1,
-        channels: (0..n).map(channel).chain(temperature).collect(),
+        channels: (0..n)
+            .map(channel)
+            .chain(temperature)
+            .chain(load_sensors.into_iter().flat_map(LoadSensors::channels))
+            .collect(),
         schema_crc: 0,
     };
     hello.seal();

@@ -6,7 +6,6 @@ use nalgebra::{Point3, Vector3};
 use super::loads::MovingLoads;
 use super::nearest::closest_weights;
 use crate::error::RigError;
-use crate::real_limb::RealLimb;
 
 /// Nodes around a place whose triangles are looked at.
 const N_NEAR: usize = 8;
@@ -83,22 +82,6 @@ impl LiveLimb {
     #[must_use]
     pub fn loads(&self) -> &MovingLoads {
         &self.loads
-    }
-
-    /// The same, its columns taken from the limb behind the gauges under its probing tip.
-    ///
-    /// # Errors
-    /// [`RigError::Sim`] when the tip does not touch the skin at a node; see [`Self::new`].
-    pub fn of_real(
-        real: &RealLimb,
-        n_gauges: usize,
-        surface: LiveSurface,
-    ) -> Result<Self, RigError> {
-        let mut columns = Vec::with_capacity(surface.nodes.len() * n_gauges);
-        for node in &surface.nodes {
-            columns.extend(real.columns_ue_per_n(node)?);
-        }
-        Self::new(surface, n_gauges, columns)
     }
 
     /// Number of gauges.

@@ -72,6 +72,12 @@ impl RigLink {
         Arc::new(self.clock.clone())
     }
 
+    /// Whether the next read makes the next frame.
+    #[must_use]
+    pub fn is_read_out(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
     fn step(&mut self) {
         let t_s = self.device.next_t_s();
         self.clock.set_s(t_s);

@@ -23,6 +23,7 @@ mod pty;
 mod random;
 mod run;
 mod script;
+mod sensors;
 mod truth;
 
 pub use device::{RigDevice, RigDeviceParams};
@@ -30,7 +31,7 @@ pub use electronics::{BridgeParams, CreepTerm, LiveElectronics, LiveElectronicsP
 pub use faults::RigFault;
 pub use limb::{LiveLimb, LiveSurface, SurfacePoint};
 pub use link::{RigClock, RigLink};
-pub use loads::MovingLoads;
+pub use loads::{LimbLoads, LoadHandle, MovingLoads};
 pub use play::Play;
 pub use port::{DevicePort, PortState, TcpPort};
 pub use press::{PressHandle, Pressed, TrueContact, TruthFrame};
@@ -38,3 +39,4 @@ pub use pty::PtyPort;
 pub use random::{RandomScriptParams, random_script};
 pub use run::{RunInfo, RunParams, RunningRig, run_rig, spawn_rig};
 pub use script::{PressEvent, PressScript, ScriptedContact};
+pub use sensors::{LoadSensorParams, LoadSensors};

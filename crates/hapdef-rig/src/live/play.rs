@@ -15,7 +15,6 @@ const MAX_OFF_SKIN_M: f64 = 5e-3;
 pub struct Play {
     tracks: Vec<Track>,
     repeat_s: Option<f64>,
-    end_s: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -62,14 +61,7 @@ impl Play {
                 .map(|(i, contact)| Track::new(i, contact, limb))
                 .collect::<Result<_, _>>()?,
             repeat_s: script.repeat_s,
-            end_s: script.end_s(),
         })
-    }
-
-    /// End of the last event, s; `None` if the script begins again and again.
-    #[must_use]
-    pub fn end_s(&self) -> Option<f64> {
-        self.repeat_s.is_none().then_some(self.end_s)
     }
 
     /// Adds what presses at `t_s` to `out`, in the script's order.

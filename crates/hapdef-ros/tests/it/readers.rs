@@ -30,7 +30,9 @@ fn value(topic: TopicKind, bytes: &[u8]) -> Value {
         TopicKind::Transforms => json::<msg::TfMessage>(bytes),
         TopicKind::Diagnostics => json::<msg::DiagnosticArray>(bytes),
         TopicKind::Status => json::<msg::Status>(bytes),
-        TopicKind::Wrench(_) => json::<msg::WrenchStamped>(bytes),
+        TopicKind::NetWrench | TopicKind::MountWrench | TopicKind::Wrench(_) => {
+            json::<msg::WrenchStamped>(bytes)
+        }
     }
 }
 

@@ -26,14 +26,18 @@ pub(crate) struct Seen {
     n_misfit: u64,
     pub(crate) longest_misfit_ms: u64,
     /// From when a press begins until it is reported.
-    pub(crate) detect_ms: Lags,
+    pub(crate) detect_ms: Samples,
     /// From when it is over until nothing is reported there.
-    pub(crate) let_go_ms: Lags,
+    pub(crate) let_go_ms: Samples,
+    /// From each contact that is reported to the nearest press, mm.
+    pub(crate) off_mm: Samples,
+    /// Contacts that are reported of more than a press begins with, and farther than one is taken for from any.
+    n_ghosts: u64,
 }
 
-/// Lags; those that never ended are infinite.
+/// Numbers; the lag of what never ended is infinite.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Lags(Vec<f64>);
+pub(crate) struct Samples(Vec<f64>);
 
 /// Judges the frames of one script.
 pub(crate) struct Judge {
@@ -71,6 +75,14 @@ impl Judge {
         seen.n_misfit += u64::from(is_misfit);
         self.misfit_ms = if is_misfit { self.misfit_ms + 1 } else { 0 };
         seen.longest_misfit_ms = seen.longest_misfit_ms.max(self.misfit_ms);
+        let strong =
+            frame.known_contacts().unwrap_or_default().iter().filter(|c| c.force_n > BEGUN_N);
+        for contact in strong {
+            let far = pressed.iter().map(|p| (p.position_m - contact.position_m).norm());
+            let off_m = far.fold(f64::INFINITY, f64::min);
+            seen.n_ghosts += u64::from(off_m > NEAR_M);
+            seen.off_mm.add(off_m * 1e3);
+        }
         self.follow(pressed, frame);
     }
 
@@ -143,6 +155,13 @@ impl Seen {
         self.longest_misfit_ms = self.longest_misfit_ms.max(more.longest_misfit_ms);
         self.detect_ms.0.extend(more.detect_ms.0);
         self.let_go_ms.0.extend(more.let_go_ms.0);
+        self.off_mm.0.extend(more.off_mm.0);
+        self.n_ghosts += more.n_ghosts;
+    }
+
+    /// Share of the contacts reported that are none, %.
+    pub(crate) fn ghosts_pct(&self) -> f64 {
+        100.0 * self.n_ghosts as f64 / self.off_mm.0.len().max(1) as f64
     }
 
     /// Share of the frames that no contacts explain, %.
@@ -155,20 +174,33 @@ impl Display for Seen {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let ([detect_50, detect_99], [go_50, go_99]) =
             (self.detect_ms.quantiles(), self.let_go_ms.quantiles());
+        let [off_50, off_99] = self.off_mm.quantiles();
         write!(
             f,
             "{} frames, {} beyond the range, {:.3} % misfits, the longest {} ms; reported after {detect_50}, \
-             99 % {detect_99} ms; let go after {go_50}, 99 % {go_99} ms of {} presses",
+             99 % {detect_99} ms; let go after {go_50}, 99 % {go_99} ms of {} presses; contacts are {off_50:.2}, 99 % \
+             {off_99:.2} mm off, {:.3} % are none",
             self.n_frames,
             self.n_beyond,
             self.misfit_pct(),
             self.longest_misfit_ms,
             self.detect_ms.0.len(),
+            self.ghosts_pct(),
         )
     }
 }
 
-impl Lags {
+impl Samples {
+    pub(crate) fn add(&mut self, lag_ms: f64) {
+        self.0.push(lag_ms);
+    }
+
+    /// Share of at most so much, %.
+    pub(crate) fn within_pct(&self, most: f64) -> f64 {
+        let n = self.0.iter().filter(|number| **number <= most).count();
+        100.0 * n as f64 / self.0.len().max(1) as f64
+    }
+
     /// Median and 99 %.
     pub(crate) fn quantiles(&self) -> [f64; 2] {
         let rising = stats::sorted(self.0.iter().copied());

@@ -5,13 +5,16 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use hapdef::touch::SearchPlace;
+use hapdef::scene::Scene;
+use hapdef::touch::{SearchPlace, Tracking};
 use hapdef::{OpenScene, SolvedLimb, VirtualRigParams, random_presses, virtual_device};
 use hapdef_daq::Message;
 use hapdef_daq::source::{
     FrameSource, ReplaySource, SourceStats, SourceStatus, StreamParams, StreamSource,
 };
-use hapdef_live::{Delivery, FnSink, Live, LiveFrame, LiveParams, Touch, TouchPhase, Wants};
+use hapdef_live::{
+    Delivery, FnSink, GivenLoads, Live, LiveFrame, LiveParams, Touch, TouchPhase, Wants,
+};
 use hapdef_rig::live::{LiveLimb, RigLink, RunParams, TruthFrame};
 
 use crate::judge::{Judge, Seen};
@@ -63,6 +66,24 @@ impl Limb {
 
     pub(crate) fn name(&self) -> &str {
         &self.scene.scene().name
+    }
+
+    pub(crate) fn scene(&self) -> &Scene {
+        self.scene.scene()
+    }
+
+    /// The limb as it is pressed.
+    pub(crate) fn real(&self) -> &Arc<LiveLimb> {
+        &self.real
+    }
+
+    /// What its device measures of loads that are no contacts.
+    pub(crate) fn given(&self) -> GivenLoads {
+        self.scene.given_loads().unwrap()
+    }
+
+    pub(crate) fn tracker(&self, place: SearchPlace) -> Tracking {
+        self.solved.tracker(place).unwrap()
     }
 
     /// Plays script `seed` for so long, as fast as it goes.
@@ -119,7 +140,8 @@ impl Limb {
         let live = Live::builder(source)
             .params(params)
             .gauges(self.gauges())
-            .estimator(self.solved.tracker(place).unwrap())
+            .given(self.given())
+            .estimator(self.tracker(place))
             .sink(sink);
         let health = live.start().unwrap().wait().unwrap();
         assert!(health.n_frames > 0, "{health}");
@@ -128,7 +150,7 @@ impl Limb {
         }
     }
 
-    fn gauges(&self) -> Vec<hapdef_live::LiveGauge> {
+    pub(crate) fn gauges(&self) -> Vec<hapdef_live::LiveGauge> {
         let sites = self.scene.scene().gauges.sites.iter();
         let gauge = |name: &String| hapdef_live::LiveGauge { name: name.clone(), scale: 1.0 };
         sites.map(|site| gauge(&site.name)).collect()

@@ -8,6 +8,7 @@ use super::{Guess, NewLimbParams};
 use crate::error::HapdefError;
 use crate::limb_axis::{extent_m, longest_axis};
 use crate::scene::{Axis, LimbEnd, MaterialSpec};
+use crate::touch::to_micrometres;
 
 /// The part of the length that is held where nothing else is stated.
 pub(crate) const HELD_SHARE: f64 = 0.05;
@@ -221,8 +222,4 @@ pub(super) fn material(given: &Given, guesses: &mut Vec<Guess>) {
     };
     let why = format!("{why}; material in the scene states another");
     guesses.push(Guess { what: "material", value, why });
-}
-
-pub(super) fn to_micrometres(x_m: f64) -> f64 {
-    (x_m * 1e6).round() / 1e6
 }

@@ -6,7 +6,6 @@ use hapdef_mesh::{DeckParams, deck_includes};
 use serde_json::{Value, json};
 
 use super::given::GivenShape;
-use super::guess::to_micrometres;
 use super::skin::{SKIN, Skin, SkinParams};
 use super::text::{scene_text, write_text};
 use super::{NewLimb, gauges};
@@ -17,6 +16,7 @@ use crate::progress::Progress;
 use crate::run::Run;
 use crate::scene::{MaterialSpec, Scene, WallSolver};
 use crate::touch::gauge_entries;
+use crate::touch::to_micrometres;
 
 const SCENE: &str = "scene.json";
 

@@ -24,8 +24,8 @@ pub use loads::{FlangeSpec, LoadsSpec};
 pub(crate) use read::default_name;
 pub use read::{read_scene, scene_file};
 pub use rig::{
-    BridgeSpec, CreepSpec, ElectronicsSpec, GainSpec, LiveSpec, MisplacementSpec, PressSpec,
-    RigMesh, RigSpec, VariationSpec,
+    BridgeSpec, CreepSpec, ElectronicsSpec, GainSpec, LiveSpec, LoadSensorsSpec, MisplacementSpec,
+    PressSpec, RigMesh, RigSpec, VariationSpec,
 };
 
 use serde::{Deserialize, Serialize};

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use hapdef_rig::ElectronicsParams;
+use hapdef_rig::live::LoadSensorParams;
 use serde::{Deserialize, Serialize};
 
 /// The simulated hardware: how it differs from the drawing and what it presses.
@@ -53,10 +54,50 @@ pub struct LiveSpec {
     pub temperature_c: Vec<[f64; 2]>,
     /// Adds a channel that tells the temperature.
     pub temperature_channel: bool,
+    /// Adds channels of an inertial unit and of a sensor of force and torque at the flange, as far as the scene's loads
+    /// are of weight, motion and a flange.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_sensors: Option<LoadSensorsSpec>,
     /// What creeps.
     pub creep: Vec<CreepSpec>,
     /// How much faster than true the device's clock runs, parts per million.
     pub drift_ppm: f64,
+}
+
+/// How well the rig's device measures the loads on the whole limb.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LoadSensorsSpec {
+    /// Each channel's gain is off by up to this share.
+    pub gain_error: f64,
+    /// Noise of an accelerometer's axis in a frame, standard deviation, m/s².
+    pub acceleration_noise_m_s2: f64,
+    /// Of a gyroscope's, rad/s.
+    pub rate_noise_rad_s: f64,
+    /// Of a force at the flange, N.
+    pub force_noise_n: f64,
+    /// Of a moment at the flange, N m.
+    pub moment_noise_nm: f64,
+}
+
+impl Default for LoadSensorsSpec {
+    fn default() -> Self {
+        let LoadSensorParams {
+            gain_error,
+            acceleration_noise_m_s2,
+            rate_noise_rad_s,
+            force_noise_n,
+            moment_noise_nm,
+            ..
+        } = LoadSensorParams::default();
+        Self {
+            gain_error,
+            acceleration_noise_m_s2,
+            rate_noise_rad_s,
+            force_noise_n,
+            moment_noise_nm,
+        }
+    }
 }
 
 /// A quarter bridge.

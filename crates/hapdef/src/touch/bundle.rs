@@ -9,6 +9,7 @@ use hapdef_live::{Bundle, BundleGauge, BundleInfo, BundleMode};
 use nalgebra::Vector3;
 
 use super::chosen::calibrated_loads;
+use super::learned_loads::given_loads;
 use super::{
     Calibration, ChainStages, UncertainParams, UncertainResponse, chain_stages, estimator_settings,
     response_with_loads,
@@ -47,6 +48,7 @@ pub fn make_bundle(
     bundle.scene_json = scene_json;
     bundle.site_error = source.site_error;
     bundle.loads = source.loads;
+    bundle.given = given_loads(run)?;
     bundle.calibration_json = source.calibration_json;
     if let Some(n_stiffness) = request.n_stiffness {
         bundle.modes = modes(run, limb, n_stiffness)?;
@@ -109,6 +111,7 @@ fn info(run: &Run, limb: &Limb, settings: SuperpositionSettings) -> BundleInfo {
         made_by: env!("CARGO_PKG_VERSION").to_owned(),
         deck_hash: Some(limb.deck_hash.clone()),
         gauges: run.scene.gauges.sites.iter().map(gauge).collect(),
+        mount_m: Some(limb.mount_m().into()),
         estimator: run.scene.estimator.kind(),
         settings,
     }

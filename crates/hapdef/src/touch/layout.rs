@@ -249,7 +249,7 @@ impl Places {
 }
 
 /// As a scene file has it: where walls meet, a micrometre decides which of them a gauge is on.
-fn to_micrometres(x_m: f64) -> f64 {
+pub(crate) fn to_micrometres(x_m: f64) -> f64 {
     (x_m * 1e6).round() / 1e6
 }
 

@@ -31,11 +31,12 @@ pub use hapdef_live::estimator::{
     Tracking,
 };
 pub use hapdef_live::{Alternative, Contact, Quality, Touch, Uncertainty};
+pub(crate) use layout::to_micrometres;
 pub use layout::{
     CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout, gauge_entries,
 };
 pub use layout_choice::{LayoutCandidates, SeeingLayout, study_layouts};
-pub use learned_loads::LearnedLoads;
+pub use learned_loads::{LearnedLoads, given_loads};
 pub use limits::{LimitsReport, LimitsRequest, limits};
 pub(crate) use model::{LimbModel, model_estimate};
 pub use modes::{UncertainParams, UncertainResponse};

@@ -25,3 +25,4 @@ mod skin_scene;
 mod skin_solver;
 mod skips;
 mod touch;
+mod touch_sensor;

@@ -5,9 +5,11 @@ use hapdef_daq::without_realtime;
 use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, InverseError, OtherLoads};
 
 use super::Compute;
+use crate::frame::LiveFrame;
 use crate::runtime::device::Device;
 use crate::runtime::frozen::Frozen;
 use crate::runtime::noise::TareNoise;
+use crate::signals::{GivenLoads, LoadSignal};
 
 /// The filter in front of the estimator, with its output.
 pub(super) struct Conditioning {
@@ -17,6 +19,8 @@ pub(super) struct Conditioning {
     pub(super) frozen: Frozen,
     /// Readings for the filter `[n_gauges]`, µε: at the end of their range where the device says so.
     raw_ue: Vec<f64>,
+    /// What of them measured loads read `[n_gauges]`, µε.
+    given_ue: Vec<f64>,
     /// Highest reading of each gauge `[n_gauges]`, µε.
     ends_ue: Vec<f64>,
 }
@@ -29,8 +33,14 @@ impl Conditioning {
         of_live.map(|((noise, zero), _)| (zero / noise).hypot(1.0)).fold(1.0, f64::max)
     }
 
-    fn take_raw(&mut self, raw_ue: &[f64], device: &Device) {
-        self.raw_ue.copy_from_slice(raw_ue);
+    fn take_raw(&mut self, frame: &LiveFrame, device: &Device, given: &GivenLoads) {
+        self.raw_ue.copy_from_slice(&frame.raw_ue);
+        given.read(&frame.signals, &mut self.given_ue);
+        if self.given_ue.iter().any(|ue| !ue.is_finite()) {
+            // without what loads the limb no gauge tells of contacts
+            self.raw_ue.fill(f64::NAN);
+            self.given_ue.fill(0.0);
+        }
         for gauge in device.saturated() {
             self.raw_ue[gauge] = self.ends_ue[gauge];
         }
@@ -46,7 +56,9 @@ impl Compute {
         let to = &mut self.frame;
         let Some(conditioning) = &mut self.conditioning else {
             to.phase = TouchPhase::Untouched;
-            to.tared_ue.copy_from_slice(&to.raw_ue);
+            self.setup.given.read(&to.signals, &mut to.tared_ue);
+            let pairs = to.tared_ue.iter_mut().zip(&to.raw_ue);
+            pairs.for_each(|(tared, raw)| *tared = raw - *tared);
             for (health, raw) in to.gauges.iter_mut().zip(&to.raw_ue) {
                 *health = health_of_number(*raw);
             }
@@ -66,9 +78,10 @@ impl Compute {
             return;
         };
         conditioning.frozen.take(&to.raw_ue);
-        conditioning.take_raw(&to.raw_ue, device);
-        let Conditioning { conditioner, out, raw_ue, frozen, .. } = conditioning;
-        if let Err(error) = conditioner.step_into(raw_ue, to.temperature, out) {
+        conditioning.take_raw(to, device, &self.setup.given);
+        let Conditioning { conditioner, out, raw_ue, given_ue, frozen, .. } = conditioning;
+        let stepped = conditioner.step_beside(raw_ue, Some(given_ue), to.temperature, out);
+        if let Err(error) = stepped {
             // lengths are those of the device; said all the same
             self.counts.device_fault = Some(error.to_string().into());
             return;
@@ -157,8 +170,26 @@ impl Compute {
             noise,
             frozen: Frozen::new(device.n_gauges()),
             raw_ue: ends_ue.clone(),
+            given_ue: vec![0.0; device.n_gauges()],
             ends_ue,
         }))
+    }
+
+    /// Refuses a device that lacks a signal of a load that is to be taken off, or has others.
+    pub(super) fn check_given(&self, device: &Device) -> Result<(), String> {
+        let (expected, found) = (&self.setup.given.signals, device.signals());
+        if expected.is_empty() || *expected == found {
+            return Ok(());
+        }
+        let words = |signals: &[LoadSignal]| match signals {
+            [] => "none".to_owned(),
+            signals => signals.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
+        };
+        Err(format!(
+            "loads were learned with the signals {}; the device has {}: learn them anew with it (hapdef loads)",
+            words(expected),
+            words(&found)
+        ))
     }
 
     /// Loads that are no contacts, as the estimator knows them.

@@ -51,6 +51,7 @@ pub fn bundle(world: &World) -> Bundle {
     let info = BundleInfo {
         scene: "barrel".to_owned(),
         made_by: "0.0.0".to_owned(),
+        mount_m: None,
         deck_hash: None,
         gauges: (0..world.gauges.len()).map(gauge).collect(),
         estimator: EstimatorKind::Superposition,
