@@ -150,13 +150,11 @@ impl SignalReader {
     /// stays.
     pub(crate) fn read(&mut self, scaled: &[f64], t_us: u64, signals: &mut Vec<(LoadSignal, f64)>) {
         signals.clear();
-        let each = |of: &[usize], signal: fn(usize) -> LoadSignal| {
-            of.iter()
-                .enumerate()
-                .map(|(i, &channel)| (signal(i), scaled[channel]))
-                .collect::<Vec<_>>()
+        let extend = |of: &[usize], signal: fn(usize) -> LoadSignal, to: &mut Vec<_>| {
+            let numbered = of.iter().enumerate();
+            to.extend(numbered.map(|(i, &channel)| (signal(i), scaled[channel])));
         };
-        signals.extend(each(&self.accelerations, LoadSignal::Acceleration));
+        extend(&self.accelerations, LoadSignal::Acceleration, signals);
         if let Some(rates) = self.rates {
             let rad_s = rates.map(|channel| scaled[channel]);
             let slope = self.slope(rad_s, t_us);
@@ -166,8 +164,8 @@ impl SignalReader {
                     .extend((i..3).map(|j| (LoadSignal::AngularRates(i, j), rad_s[i] * rad_s[j])));
             }
         }
-        signals.extend(each(&self.forces, LoadSignal::Force));
-        signals.extend(each(&self.torques, LoadSignal::Torque));
+        extend(&self.forces, LoadSignal::Force, signals);
+        extend(&self.torques, LoadSignal::Torque, signals);
     }
 
     /// Smoothed slopes of the rates, rad/s².
