@@ -21,7 +21,7 @@ FORCE_RANGE_N = (1.0, 25.0)
 HOLD_RANGE_S = (0.25, 0.5)
 RISE_RANGE_S = (0.02, 0.08)
 # From the end of one press to the start of the next, of the other finger; below 0 both touch.
-PAUSE_RANGE_S = (-0.08, 0.22)
+PAUSE_RANGE_S = (-0.15, 0.2)
 # Two presses in a row are that far apart, so that they are two contacts.
 SPACING_M = 0.04
 

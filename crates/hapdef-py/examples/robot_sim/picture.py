@@ -1,4 +1,4 @@
-"""Pictures of a run without a screen: MuJoCo's own renderer, with arrows for true and estimated contacts."""
+"""Pictures of a run without a screen: MuJoCo's own renderer, with sticks for true and estimated contacts."""
 
 import os
 
@@ -10,8 +10,8 @@ import numpy as np
 
 TRUE_RGBA = (0.15, 0.65, 0.3, 0.9)
 ESTIMATED_RGBA = (0.9, 0.2, 0.15, 0.9)
-ARROW_M_PER_N = 0.006
-LEAST_ARROW_M = 0.05
+STICK_M_PER_N = 0.006
+LEAST_STICK_M = 0.03
 
 
 class Camera:
@@ -32,23 +32,31 @@ class Camera:
         self.renderer.update_scene(world.data, self.camera)
         for place_m, force_n in zip(tick.positions_m, tick.forces_n):
             if np.linalg.norm(force_n) > 0.0:
-                self.arrow(tick, place_m, force_n, TRUE_RGBA, 0.005)
+                self.stick(tick, place_m, force_n, TRUE_RGBA, 0.003)
         for place_m, force_n in estimated:
-            self.arrow(tick, np.asarray(place_m), np.asarray(force_n), ESTIMATED_RGBA, 0.003)
+            self.stick(tick, np.asarray(place_m), np.asarray(force_n), ESTIMATED_RGBA, 0.002)
         return self.renderer.render()
 
-    def arrow(self, tick, place_m, force_n, rgba, radius_m):
-        """An arrow whose tip is where the force acts."""
-        scene = self.renderer.scene
+    def stick(self, tick, place_m, force_n, rgba, radius_m):
+        """A stick that is longer the larger the force, with a ball where the force acts."""
         strength_n = np.linalg.norm(force_n)
-        if scene.ngeom + 2 > scene.maxgeom or strength_n == 0.0:
+        if strength_n == 0.0:
             return
-        tail_m = place_m - force_n / strength_n * (LEAST_ARROW_M + ARROW_M_PER_N * strength_n)
+        tail_m = place_m - force_n / strength_n * (LEAST_STICK_M + STICK_M_PER_N * strength_n)
         tip, tail = (tick.origin_m + tick.world_from_link @ each for each in (place_m, tail_m))
-        arrow = scene.geoms[scene.ngeom]
-        kind = mujoco.mjtGeom.mjGEOM_ARROW
-        mujoco.mjv_initGeom(arrow, kind, np.zeros(3), np.zeros(3), np.zeros(9), np.array(rgba, np.float32))
-        mujoco.mjv_connector(arrow, kind, radius_m, tail, tip)
+        self.shape(mujoco.mjtGeom.mjGEOM_CAPSULE, radius_m, tail, tip, rgba)
+        self.shape(mujoco.mjtGeom.mjGEOM_SPHERE, 2.0 * radius_m, tip, None, rgba)
+
+    def shape(self, kind, radius_m, begin_m, end_m, rgba):
+        """A ball, or what leads from one point to another."""
+        scene = self.renderer.scene
+        if scene.ngeom == scene.maxgeom:
+            return
+        geom = scene.geoms[scene.ngeom]
+        size, rgba = np.full(3, radius_m), np.array(rgba, np.float32)
+        mujoco.mjv_initGeom(geom, kind, size, begin_m, np.eye(3).reshape(-1), rgba)
+        if end_m is not None:
+            mujoco.mjv_connector(geom, kind, radius_m, begin_m, end_m)
         scene.ngeom += 1
 
     def close(self):
