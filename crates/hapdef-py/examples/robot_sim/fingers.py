@@ -16,12 +16,16 @@ RETREAT_S = 0.06
 # A finger on its way keeps off the skin by about that.
 DETOUR_M = 0.025
 # Between the end of a finger's press and the start of its next.
-SHORTEST_TRAVEL_S = 0.35
-FORCE_RANGE_N = (1.0, 25.0)
-HOLD_RANGE_S = (0.25, 0.5)
+SHORTEST_TRAVEL_S = 0.28
+# A script of `hapdef live --sim` has no weaker presses either.
+FORCE_RANGE_N = (2.0, 25.0)
+HOLD_RANGE_S = (0.45, 0.55)
 RISE_RANGE_S = (0.02, 0.08)
-# From the end of one press to the start of the next, of the other finger; below 0 both touch.
-PAUSE_RANGE_S = (-0.15, 0.2)
+# The fingers press in bouts: in one, each begins while the other still presses, if it gets there in time.
+BOUT = 8
+OVERLAP_RANGE_S = (0.1, 0.16)
+# Between bouts nothing touches: after a second the sensor's zeros are known again (docs/moving.md).
+REST_RANGE_S = (1.25, 1.45)
 # Two presses in a row are that far apart, so that they are two contacts.
 SPACING_M = 0.04
 
@@ -125,7 +129,8 @@ def plan(places, rng, start_s, end_s):
             return presses
         presses.append(press)
         free_s[idx] = end
-        start = end + rng.uniform(*PAUSE_RANGE_S)
+        is_last = len(presses) % BOUT == 0
+        start = end + rng.uniform(*REST_RANGE_S) if is_last else end - rng.uniform(*OVERLAP_RANGE_S)
 
 
 class Finger:

@@ -9,6 +9,10 @@ from .arm import SERVO_RAD_S
 SPEED_SHARE = 0.95
 # Joints stay that near to the middle of their ranges, so that the arm stays above the floor.
 REACH_RAD = 0.8
+# How a hand is shaken: root mean square of each component, and how fast.
+SHAKING_N, SHAKING_NM = 6.0, 0.6
+SHAKING_HZ = (0.3, 2.0)
+N_WAVES = 3
 
 
 def minimum_jerk(share):
@@ -40,6 +44,28 @@ class Motion:
         position, rate = minimum_jerk((time_s - self.begin_s) / duration_s)
         way_rad = self.end_rad - self.begin_rad
         return self.begin_rad + position * way_rad, rate * way_rad / duration_s
+
+
+class Shaking:
+    """A hand that somebody takes hold of and shakes: force and moment on it, N and N m, none before `start_s`.
+
+    Weight and what the wrist passes on are one load as long as the hand is the same; only so can they be told apart.
+    """
+
+    def __init__(self, seed, start_s):
+        rng = np.random.default_rng(seed)
+        self.start_s = start_s
+        self.rates_rad_s = 2.0 * np.pi * rng.uniform(*SHAKING_HZ, (N_WAVES, 6))
+        self.phases = rng.uniform(0.0, 2.0 * np.pi, (N_WAVES, 6))
+        self.sizes = np.repeat([SHAKING_N, SHAKING_NM], 3) * np.sqrt(2.0 / N_WAVES)
+
+    def at(self, time_s):
+        """Force and moment at a time `[6]`."""
+        since_s = time_s - self.start_s
+        if since_s < 0.0:
+            return np.zeros(6)
+        waves = np.sin(self.rates_rad_s * since_s + self.phases).sum(axis=0)
+        return min(since_s, 1.0) * self.sizes * waves
 
 
 class Servos:

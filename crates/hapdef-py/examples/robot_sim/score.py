@@ -4,7 +4,7 @@ A contact is a stretch of time in which a finger's force on the link doesn't res
 In every frame the true contacts of `LEAST_N` or more and the reported ones are paired, nearest first, if they are within
 `NEAR_M`. A contact is found if it has a pair in half of those frames; its onset counts from the first of them that is
 followed by `LASTING_S` of them to its first pair. A reported contact is false if it has no pair, nor any finger touching
-within `NEAR_M`, in all its life.
+within `NEAR_M`, in all its life, and if it reaches `LEAST_N`.
 """
 
 from dataclasses import dataclass, field
@@ -75,7 +75,7 @@ def score(ticks, reports):
     """The figures of a run, by name; `reports` has the contacts of each frame."""
     truths = true_contacts(ticks)
     at = {(truth.finger, frame): truth for truth in truths for frame in truth.loaded}
-    real = set()
+    real, strong = set(), set()
     for frame, (tick, reported) in enumerate(zip(ticks, reports)):
         fingers = [k for k in range(len(tick.forces_n)) if (k, frame) in at]
         for finger, report, distance_m in pairs(tick.positions_m, fingers, reported):
@@ -86,8 +86,8 @@ def score(ticks, reports):
             if truth.first_pair < 0 and frame >= truth.onset:
                 truth.first_pair = frame
         real.update(report.name for report in reported if is_real(tick, report))
-    names = {report.name for reported in reports for report in reported}
-    return figures(truths, names - real, ticks)
+        strong.update(report.name for report in reported if report.force_n >= LEAST_N)
+    return figures(truths, strong - real, ticks)
 
 
 def pairs(positions_m, fingers, reported):

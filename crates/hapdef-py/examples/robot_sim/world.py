@@ -7,7 +7,7 @@ import numpy as np
 
 from .arm import N_FINGERS, TIMESTEP_S
 from .fingers import Finger, Places, plan
-from .motion import Motion, Servos
+from .motion import Motion, Servos, Shaking
 
 RATE_HZ = 1000.0
 STEPS = round(1.0 / (RATE_HZ * TIMESTEP_S))
@@ -68,13 +68,14 @@ class Link:
 
 
 class World:
-    """A seeded run of an arm, touched or not."""
+    """A seeded run of an arm: touched by fingers, or untouched with a hand that is shaken."""
 
     def __init__(self, arm, seed, seconds, axial_range_m, is_touched=True):
         self.arm, self.seconds = arm, seconds
         self.model, self.data = arm.model, mujoco.MjData(arm.model)
         self.link = Link(self.model, self.data, arm.body)
         self.motion = Motion(arm.limits_rad, arm.speeds_rad_s, (seed, 1), STILL_S)
+        self.shaking = None if is_touched else Shaking((seed, 3), STILL_S)
         rng = np.random.default_rng((seed, 2))
         places = Places(arm.surface, arm.axis(), axial_range_m, rng)
         self.presses = plan(places, rng, STILL_S, seconds) if is_touched else []
@@ -108,6 +109,8 @@ class World:
     def drive(self, time_s):
         """Sets all motors."""
         self.servos.drive(self.data, *self.motion.at(time_s))
+        if self.shaking:
+            self.data.xfrc_applied[self.arm.hand] = self.shaking.at(time_s)
         touching = set(self.data.contact.geom.reshape(-1))
         for finger in self.fingers:
             finger.drive(self.data, self.link, time_s, finger.geom in touching)
