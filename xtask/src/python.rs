@@ -1,4 +1,4 @@
-//! The Python module: its wheel, installed in a clean environment, its tests, stub, notebook and example.
+//! The Python module: its wheel, installed in a clean environment, its tests, stub, notebook and examples.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,6 +20,9 @@ const CRATE: &str = "crates/hapdef-py";
 
 /// Programs that the wheel installs.
 const SCRIPTS: &str = "hapdef.data/scripts";
+
+/// The example with a robot, which needs MuJoCo.
+const ROBOT: &str = "crates/hapdef-py/examples/robot_touch.py";
 
 /// What the docs say of it.
 const PAGE: &str = "docs/python.md";
@@ -64,7 +67,7 @@ pub(crate) fn build_wheel() -> Result<Option<Wheel>> {
     Ok(Some(Wheel { python, path }))
 }
 
-/// Installs the wheel in a clean environment and runs its tests, stub, notebook and example.
+/// Installs the wheel in a clean environment and runs its tests, stub, notebook and examples.
 pub(crate) fn test_wheel(wheel: &Wheel) -> Result<()> {
     let python = environment(&wheel.python, &target_dir()?.join("python/venv"), true)?;
     let path = wheel.path.to_string_lossy();
@@ -90,7 +93,29 @@ pub(crate) fn test_wheel(wheel: &Wheel) -> Result<()> {
         ours(root(), &["-W", "error", "-c", &snippet])?;
     }
     ours(&folder, &["tests/run_notebook.py", "notebook/first_touch.ipynb"])?;
-    ours(&folder, &["examples/scale_out.py", "--check"])
+    ours(&folder, &["examples/scale_out.py", "--check"])?;
+    needs_mujoco(&python)?;
+    match install(&python, &["mujoco"]) {
+        Ok(()) => ours(root(), &["-W", "error", ROBOT, "--check"]),
+        Err(error) => {
+            println!("{ROBOT} skipped: pip has no mujoco here: {error:#}");
+            Ok(())
+        }
+    }
+}
+
+/// Without MuJoCo the robot's example says what to install.
+fn needs_mujoco(python: &Path) -> Result<()> {
+    let mut command = Command::new(python);
+    let output = command.arg(ROBOT).current_dir(root()).output().context("running Python")?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    if output.status.code() == Some(2) && text.contains("pip install mujoco") {
+        return Ok(());
+    }
+    bail!(
+        "{ROBOT} without mujoco: expected status 2 and what to install, found {}: {text}",
+        output.status
+    )
 }
 
 /// The Python that the page shows.

@@ -14,6 +14,9 @@ N_PRESSES = 300
 PRESS_SEED = 36
 # The flange's nodes lie within that of the limb's far end.
 FLANGE_M = 0.004
+# Loads take most of a converter's range. Steps of 12 bits were 4 µε then, four times the noise, and what readings were off
+# by them was taken for drift: 69 % of the contacts were found instead of all.
+ADC_BITS = 16
 # A scene's paths are relative to it; this one is written elsewhere.
 PATHS = ("solid_deck", "skin")
 
@@ -32,7 +35,9 @@ class Skin:
         self.spec["name"] = "robot"
         # Fingers drag along the skin: without it the drag of a press is taken for further contacts.
         self.spec.setdefault("estimator", {"kind": "superposition"})["friction"] = FRICTION
-        self.spec.setdefault("rig", {})["live"] = {"load_sensors": {}}
+        rig = self.spec.setdefault("rig", {})
+        rig.setdefault("electronics", {})["adc_bits"] = ADC_BITS
+        rig["live"] = {"load_sensors": {}}
         axis = geometry["axis"]
         self.axis_point_m, direction = np.array(axis["point_m"]), np.array(axis["direction"])
         self.axis_direction = direction / np.linalg.norm(direction)
