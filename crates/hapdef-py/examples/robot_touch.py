@@ -29,7 +29,12 @@ VIDEO_S, VIDEO_HZ, VIDEO_SIZE = (1.5, 11.5), 25, (640, 480)
 # A short run: untouched and touched, s.
 CHECK_S = (12.0, 12.0)
 # What it must reach: 24 contacts are too few for the targets of the whole one.
-BOUNDS = {"found_pct": (90.0, 100.0), "false_per_min": (0.0, 11.0), "position_median_mm": (0.0, 2.0), "onset_p50_ms": (0.0, 10.0)}
+BOUNDS = {
+    "found_pct": (90.0, 100.0),
+    "false_per_min": (0.0, 11.0),
+    "position_median_mm": (0.0, 2.0),
+    "onset_p50_ms": (0.0, 10.0),
+}
 
 
 def arguments():
@@ -141,7 +146,8 @@ class Film:
         n_before = len(self.pictures)
         if not VIDEO_S[0] + n_before / VIDEO_HZ <= tick.time_s < VIDEO_S[1]:
             return
-        estimated = [(each.position_m, each.force_n * each.direction) for each in frame.contacts if each.direction is not None]
+        known = [each for each in frame.contacts if each.direction is not None]
+        estimated = [(each.position_m, each.force_n * each.direction) for each in known]
         self.pictures.append(self.camera.picture(tick, estimated))
         shown = min(len(estimated), int(tick.touching().sum()))
         self.strengths_n.append((shown, float(abs(tick.forces_n).sum())))

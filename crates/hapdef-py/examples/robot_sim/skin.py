@@ -89,7 +89,7 @@ class Skin:
     def calibrate(self):
         """Corrects the map by presses of the rig that stands still; its relative error before and after."""
         rng = np.random.default_rng(PRESS_SEED)
-        places_m = self.scene.surface_m[self.touchable(rng)]
+        places_m = self.scene.surface_m[rng.integers(len(self.scene.surface_m), size=N_PRESSES)]
         forces_n = rng.uniform(5.0, 30.0, N_PRESSES)
         readings_ue = self.scene.rig().press(places_m, forces_n, seed=PRESS_SEED)
         calibration = self.scene.calibrate(places_m, forces_n, readings_ue)
@@ -97,10 +97,6 @@ class Skin:
         self.spec["estimator"]["calibration"] = "calibration.json.gz"
         self.scene = self.write("scene")
         return calibration.relative_error_before, calibration.relative_error
-
-    def touchable(self, rng):
-        """Nodes of the skin, drawn evenly."""
-        return rng.integers(len(self.scene.surface_m), size=N_PRESSES)
 
     def learn(self, ticks, still_s):
         """Learns what motion does to the gauges from an untouched run; how much of each load is left, µε."""
