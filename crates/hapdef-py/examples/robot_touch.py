@@ -105,7 +105,7 @@ def prepared(arm, args):
     untouched = World(arm, UNTOUCHED_SEED + args.seed, args.learn_seconds, args.touch_range_m, is_touched=False)
     ticks = list(untouched.ticks())
     skin = Skin(args.scene, args.folder, ticks)
-    before, after = skin.calibrate()
+    before, after = skin.calibrate(is_coarse=args.check)
     print(f"calibrated: relative error of the map {before:.3f}, then {after:.3f}")
     left_ue = skin.learn(ticks, STILL_S)
     print("loads that the signals leave, µε:", ", ".join(f"{each:.1f}" for each in left_ue) or "none")

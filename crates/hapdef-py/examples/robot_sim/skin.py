@@ -86,8 +86,14 @@ class Skin:
             "flange_moment_nm": tick.wrist_moment_nm - np.cross(self.flange_m, tick.wrist_force_n),
         }
 
-    def calibrate(self):
-        """Corrects the map by presses of the rig that stands still; its relative error before and after."""
+    def calibrate(self, is_coarse=False):
+        """Corrects the map by presses of the rig that stands still; its relative error before and after.
+
+        A coarse one starts from the limb's own mesh, which is sooner solved than the refined one.
+        """
+        if is_coarse:
+            self.spec["estimator"]["map_refinements"] = 0
+            self.scene = self.write("scene")
         rng = np.random.default_rng(PRESS_SEED)
         places_m = self.scene.surface_m[rng.integers(len(self.scene.surface_m), size=N_PRESSES)]
         forces_n = rng.uniform(5.0, 30.0, N_PRESSES)
