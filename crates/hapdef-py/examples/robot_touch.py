@@ -14,6 +14,7 @@ force at its flange; what is found is compared with MuJoCo's contacts.
 """
 
 import argparse
+import os
 import sys
 from pathlib import Path
 
@@ -67,6 +68,8 @@ def arguments():
 def main():
     """Runs what was asked for."""
     args = arguments()
+    # Without a screen MuJoCo draws by EGL, or where there is none, by OSMesa: MUJOCO_GL=osmesa. It looks when imported.
+    os.environ.setdefault("MUJOCO_GL", "egl" if args.video or args.picture else "disable")
     try:
         import mujoco  # noqa: F401
     except ImportError:

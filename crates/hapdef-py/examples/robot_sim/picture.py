@@ -1,10 +1,5 @@
 """Pictures of a run without a screen: MuJoCo's own renderer, with sticks for true and estimated contacts."""
 
-import os
-
-# Without a screen MuJoCo draws by EGL, or where there is none, by OSMesa: MUJOCO_GL=osmesa.
-os.environ.setdefault("MUJOCO_GL", "egl")
-
 import mujoco
 import numpy as np
 
