@@ -63,7 +63,7 @@ def true_contacts(ticks):
             truth = Truth(finger, int(first), int(last), float(own_n[first : last + 1].max()))
             is_loaded = own_n[first : last + 1] >= LEAST_N
             truth.loaded = list(first + np.flatnonzero(is_loaded))
-            stays = [k for k in range(len(is_loaded)) if is_loaded[k : k + lasting].all()]
+            stays = [k for k in range(len(is_loaded) - lasting + 1) if is_loaded[k : k + lasting].all()]
             # Less than that of force is a graze, which nothing is asked of.
             if stays:
                 truth.onset = int(first) + stays[0]
