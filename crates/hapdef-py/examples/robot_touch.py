@@ -27,7 +27,7 @@ BUNDLED_RANGE_M = (0.058, 0.15)
 UNTOUCHED_SEED = 1000
 # Seconds of the touched run that the video shows, and its frames per second.
 VIDEO_S, VIDEO_HZ, VIDEO_SIZE = (1.5, 11.5), 25, (640, 480)
-# A short run, about a minute on two idle cores: untouched and touched, s, and its seed.
+# A short run, two minutes of one core in all: untouched and touched, s, and its seed.
 CHECK_S, CHECK_SEED = (12.0, 12.0), 5
 # What it must reach. The coarse map is off by a fifth, and 18 contacts are too few for the targets of the whole run.
 BOUNDS = {
