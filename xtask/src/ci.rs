@@ -78,8 +78,9 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
             steps.run("robustness tables", robustness::check)?;
             steps.run("limits page", frontier::check)?;
             steps.run("fixtures", || fixtures::make(true))?;
-            steps
-                .run("tests of the wheel", || wheel.as_ref().map_or(Ok(()), python::test_wheel))?;
+            steps.run("tests of the wheel", || {
+                wheel.as_ref().map_or(Ok(()), |wheel| python::test_wheel(wheel, is_nightly))
+            })?;
             let _ = wait.recv();
             steps.run("more commands of the docs", || commands.run())
         },

@@ -27,12 +27,11 @@ BUNDLED_RANGE_M = (0.058, 0.15)
 UNTOUCHED_SEED = 1000
 # Seconds of the touched run that the video shows, and its frames per second.
 VIDEO_S, VIDEO_HZ, VIDEO_SIZE = (1.5, 11.5), 25, (640, 480)
-# A short run, two minutes of one core in all: untouched and touched, s, and its seed.
+# A short run, two minutes of one core in all: untouched and touched, s, and its seed, that of development.
 CHECK_S, CHECK_SEED = (12.0, 12.0), 5
-# What it must reach. The coarse map is off by a fifth, and 18 contacts are too few for the targets of the whole run.
+# What it must reach: the coarse map is off by a fifth, and 12 s are too short to judge how often nothing is felt.
 BOUNDS = {
     "found_pct": (90.0, 100.0),
-    "false_per_min": (0.0, 16.0),
     "position_median_mm": (0.0, 2.0),
     "onset_p50_ms": (0.0, 10.0),
 }
