@@ -86,7 +86,7 @@ pub struct BundleGauge {
     pub scale: f64,
 }
 
-/// A cause that changes the response, as [`ModeMap`] has it.
+/// A cause that changes the response, as [`hapdef_inverse::ModeMap`] has it.
 #[derive(Clone, Debug)]
 pub struct BundleMode {
     /// The map's derivative with respect to the cause.
