@@ -3,7 +3,8 @@
 use serde_json::Value;
 
 /// Endings of names, and the units that they stand for.
-const UNITS: [(&str, &str); 12] = [
+const UNITS: [(&str, &str); 13] = [
+    ("_um_per_n", "µm/N"),
     ("_ue_per_n", "µε/N"),
     ("_kg_m3", "kg/m³"),
     ("_per_s", "/s"),
@@ -75,6 +76,7 @@ mod tests {
         assert_eq!(shown("elapsed_s", json!(12.345)), "elapsed: 12.3 s");
         assert_eq!(shown("n_fe_nodes", json!(48_213)), "fe nodes: 48213");
         assert_eq!(shown("largest_ue_per_n", json!(0.012_34)), "largest: 0.0123 µε/N");
+        assert_eq!(shown("median_self_um_per_n", json!(12.64)), "median self: 12.6 µm/N");
         assert_eq!(shown("loss", json!(0.0)), "loss: 0");
         assert_eq!(shown("kind", json!("lattice")), "kind: lattice");
     }

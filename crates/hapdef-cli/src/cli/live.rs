@@ -148,6 +148,7 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
     let path = &args.scene.scene;
     args.view.check_reach(args.insecure_bind)?;
     args.ros.params()?;
+    let alert = args.alert.sink()?;
     let mut model = if is_bundle(path)? {
         Model::of_bundle(args, &Bundle::read(path)?)?
     } else {
@@ -162,6 +163,9 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
     let (mut builder, recorder) = model.builder(args)?;
     if let Some(view) = &view {
         builder = builder.sink(view.sink(args.is_recorded()));
+    }
+    if let Some(alert) = alert {
+        builder = builder.sink(alert);
     }
     let live = builder.start()?;
     let reach = Reach { sim, recorder: recorder.clone(), player };
@@ -370,9 +374,6 @@ fn estimator_kind() -> impl TypedValueParser<Value = EstimatorKind> {
 }
 
 fn with_sinks(mut builder: LiveBuilder, args: &LiveArgs) -> Result<LiveBuilder> {
-    if let Some(sink) = args.alert.sink()? {
-        builder = builder.sink(sink);
-    }
     if let Some(address) = &args.serve {
         if let Some(address) = address.strip_prefix("tcp:") {
             check_reach("--serve", address, IS_READ, args.insecure_bind)?;
