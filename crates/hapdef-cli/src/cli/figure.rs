@@ -21,8 +21,9 @@ const UNITS: [(&str, &str); 13] = [
 
 /// A name in words and its value with its unit, as they are printed in a list.
 pub(super) fn figure(name: &str, value: &Value) -> (String, String) {
-    let unit = UNITS.iter().find(|(ending, _)| name.ends_with(ending) && is_real(value));
-    let stem = unit.map_or(name, |(ending, _)| name.trim_end_matches(ending));
+    let of = |(ending, unit): &(&str, &'static str)| Some((name.strip_suffix(ending)?, *unit));
+    let unit = UNITS.iter().find_map(of).filter(|_| value.is_f64());
+    let stem = unit.map_or(name, |(stem, _)| stem);
     let number = match value {
         Value::Number(number) => match (number.as_i64(), number.as_f64()) {
             (Some(whole), _) => whole.to_string(),
@@ -33,11 +34,7 @@ pub(super) fn figure(name: &str, value: &Value) -> (String, String) {
         other => other.to_string(),
     };
     let shown = unit.map_or(number.clone(), |(_, unit)| format!("{number} {unit}"));
-    (stem.trim_start_matches("n_").replace('_', " "), shown)
-}
-
-fn is_real(value: &Value) -> bool {
-    value.is_f64()
+    (stem.strip_prefix("n_").unwrap_or(stem).replace('_', " "), shown)
 }
 
 /// A number of three significant digits, with an exponent where zeros would stand for digits.

@@ -6,7 +6,7 @@ use crate::chi_square::upper_tail;
 use crate::conditioning::conditioned::{Conditioned, DriftState, TareEnd};
 use crate::conditioning::detector::TouchDetector;
 use crate::conditioning::drift::{DRIFT_S, Drift};
-use crate::conditioning::faults::{Converter, Watch};
+use crate::conditioning::faults::{Watch, find_faults};
 use crate::conditioning::limits::DriftLimits;
 use crate::conditioning::load_fit::LoadFit;
 use crate::conditioning::params::ConditionerParams;
@@ -290,7 +290,7 @@ impl Conditioner {
         }
         self.drift.pass();
         self.take_off(net, warmer_k, out);
-        self.find_faults(raw, out);
+        find_faults(&mut self.watches, raw, &self.params, out);
         // contacts and zeros are judged by what loads leave
         self.loads.take_off(&mut out.readings, &out.live);
         let is_new = self.decide(out);
@@ -360,42 +360,6 @@ impl Conditioner {
                 raw[gauge] - tracker.expected(warmer_k, creep) - self.drift.offset[gauge];
             let variance = tracker.variance(warmer_k, creep).max(0.0);
             out.baseline_sd[gauge] = (variance + self.drift.held.variance[gauge]).sqrt();
-        }
-    }
-
-    fn find_faults(&mut self, raw: &[f64], out: &mut Conditioned) {
-        let z = |gauge: usize| {
-            let z = out.readings[gauge] / self.params.gauge_sd[gauge].hypot(out.baseline_sd[gauge]);
-            if z.is_finite() { z.abs() } else { 0.0 }
-        };
-        // the two largest, so that each gauge finds the largest of the others
-        let (mut first, mut second, mut of_first) = (0.0, 0.0, usize::MAX);
-        for gauge in 0..raw.len() {
-            let is_good = self.watches[gauge].health == GaugeHealth::Good;
-            let z = if is_good { z(gauge) } else { 0.0 };
-            if z > first {
-                (second, first, of_first) = (first, z, gauge);
-            } else if z > second {
-                second = z;
-            }
-        }
-        out.is_mask_new = false;
-        for (gauge, watch) in self.watches.iter_mut().enumerate() {
-            let others = if gauge == of_first { second } else { first };
-            let converter = Converter {
-                rail: self.params.rails.get(gauge),
-                is_coarse: self.params.coarse.get(gauge).is_some_and(|&coarse| coarse),
-            };
-            let was_live = watch.health == GaugeHealth::Good;
-            let own =
-                out.readings[gauge] / self.params.gauge_sd[gauge].hypot(out.baseline_sd[gauge]);
-            watch.judge(raw[gauge], converter, own, others, &self.params);
-            out.health[gauge] = watch.health;
-            out.live[gauge] = watch.health == GaugeHealth::Good;
-            out.is_mask_new |= out.live[gauge] != was_live;
-            if !out.live[gauge] {
-                out.readings[gauge] = 0.0;
-            }
         }
     }
 

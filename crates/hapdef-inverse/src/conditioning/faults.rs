@@ -2,6 +2,7 @@
 
 use hapdef_contact::GaugeHealth;
 
+use crate::conditioning::conditioned::Conditioned;
 use crate::conditioning::params::ConditionerParams;
 
 /// One gauge's recent past.
@@ -18,11 +19,50 @@ pub(crate) struct Watch {
 
 /// What is known of a gauge's converter.
 #[derive(Clone, Copy)]
-pub(crate) struct Converter<'a> {
+struct Converter<'a> {
     /// Its lowest and highest value.
-    pub(crate) rail: Option<&'a (f64, f64)>,
+    rail: Option<&'a (f64, f64)>,
     /// Whether its steps are larger than the gauge's noise.
-    pub(crate) is_coarse: bool,
+    is_coarse: bool,
+}
+
+/// Masks the gauges that can't be believed by their `raw` values `[n_gauges]` and what `out` has of their readings.
+pub(crate) fn find_faults(
+    watches: &mut [Watch],
+    raw: &[f64],
+    params: &ConditionerParams,
+    out: &mut Conditioned,
+) {
+    let sd = |gauge: usize, out: &Conditioned| params.gauge_sd[gauge].hypot(out.baseline_sd[gauge]);
+    // the two largest, so that each gauge finds the largest of the others
+    let (mut first, mut second, mut of_first) = (0.0, 0.0, usize::MAX);
+    for (gauge, watch) in watches.iter().enumerate() {
+        let z = (out.readings[gauge] / sd(gauge, out)).abs();
+        let counts = watch.health == GaugeHealth::Good && z.is_finite();
+        let z = if counts { z } else { 0.0 };
+        if z > first {
+            (second, first, of_first) = (first, z, gauge);
+        } else if z > second {
+            second = z;
+        }
+    }
+    out.is_mask_new = false;
+    for (gauge, watch) in watches.iter_mut().enumerate() {
+        let others = if gauge == of_first { second } else { first };
+        let converter = Converter {
+            rail: params.rails.get(gauge),
+            is_coarse: params.coarse.get(gauge).is_some_and(|&coarse| coarse),
+        };
+        let was_live = watch.health == GaugeHealth::Good;
+        let own = out.readings[gauge] / sd(gauge, out);
+        watch.judge(raw[gauge], converter, own, others, params);
+        out.health[gauge] = watch.health;
+        out.live[gauge] = watch.health == GaugeHealth::Good;
+        out.is_mask_new |= out.live[gauge] != was_live;
+        if !out.live[gauge] {
+            out.readings[gauge] = 0.0;
+        }
+    }
 }
 
 impl Watch {
@@ -39,7 +79,7 @@ impl Watch {
 
     /// Judges a raw value; `z` is its reading over its standard deviation, `others_z` the largest of
     /// the other gauges'.
-    pub(crate) fn judge(
+    fn judge(
         &mut self,
         raw: f64,
         converter: Converter<'_>,
