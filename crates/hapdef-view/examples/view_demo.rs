@@ -39,7 +39,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     while start.elapsed().as_secs_f64() < seconds {
         let t = start.elapsed().as_secs_f64();
         demo.listen(&view, t);
-        let touches = demo.press.map_or_else(|| synthetic::wandering(t), |touch| vec![touch]);
+        let touches = match demo.pressed.as_slice() {
+            [] => synthetic::wandering(t),
+            pressed => pressed.to_vec(),
+        };
         synthetic::show(&picture, &touches, t, &mut frame);
         demo.dress(&mut frame, t);
         view.push(&frame)?;
@@ -51,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// What the page asked for.
 #[derive(Default)]
 struct Demo {
-    press: Option<Touch>,
+    pressed: Vec<Touch>,
     recording_since: Option<f64>,
 }
 
@@ -59,16 +62,24 @@ impl Demo {
     fn listen(&mut self, view: &ViewHandle, t: f64) {
         for command in view.commands().try_iter() {
             match command {
-                ViewCommand::Press { point_m, normal, force_n } => {
-                    self.press = Some(Touch { id: 2, point_m, normal, force_n });
+                ViewCommand::Press { finger, point_m, normal, force_n } => {
+                    self.lift(finger);
+                    self.pressed.push(Touch { id: 2 + finger, point_m, normal, force_n });
                 }
-                ViewCommand::Release => self.press = None,
+                ViewCommand::Lift { finger } => self.lift(finger),
+                ViewCommand::Release => self.pressed.clear(),
                 ViewCommand::Record(on) => self.recording_since = on.then_some(t),
                 ViewCommand::Tare => view.say("Tared"),
-                ViewCommand::Snapshot { .. } | ViewCommand::Pause(_) | ViewCommand::Seek { .. } => {
-                }
+                ViewCommand::Snapshot { .. }
+                | ViewCommand::Pause(_)
+                | ViewCommand::Seek { .. }
+                | ViewCommand::Random(_) => {}
             }
         }
+    }
+
+    fn lift(&mut self, finger: u32) {
+        self.pressed.retain(|touch| touch.id != 2 + finger);
     }
 
     /// A dead gauge, a saturated one, another explanation, a rate.

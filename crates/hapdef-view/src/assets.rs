@@ -52,6 +52,8 @@ pub(crate) const ASSETS: &[Asset] = &[
     asset!("/js/panel.js", "js/panel.js", JS),
     asset!("/js/text.js", "js/text.js", JS),
     asset!("/js/press.js", "js/press.js", JS),
+    asset!("/js/truth.js", "js/truth.js", JS),
+    asset!("/js/zoom.js", "js/zoom.js", JS),
     asset!("/js/controls.js", "js/controls.js", JS),
     asset!("/vendor/three/LICENSE", "vendor/three/LICENSE", "text/plain; charset=utf-8"),
     asset!("/vendor/three/three.module.min.js", "vendor/three/three.module.min.js", JS),

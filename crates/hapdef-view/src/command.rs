@@ -24,8 +24,10 @@ pub enum ViewCommand {
         /// From the recording's beginning, s.
         position_s: f64,
     },
-    /// Press the virtual limb, or move the press there.
+    /// Press the virtual limb with a finger, or move that finger there.
     Press {
+        /// Which finger, below [`MOST_FINGERS`]: several press at a time.
+        finger: u32,
         /// Where, on the limb at rest, m.
         point_m: [f64; 3],
         /// Outward unit normal there.
@@ -33,9 +35,19 @@ pub enum ViewCommand {
         /// Force against the normal, N.
         force_n: f64,
     },
-    /// End the press.
+    /// One finger lets go.
+    Lift {
+        /// Which finger.
+        finger: u32,
+    },
+    /// All fingers let go.
     Release,
+    /// Whether the virtual limb is pressed at random while nobody presses it.
+    Random(bool),
 }
+
+/// Fingers that may press the virtual limb at a time.
+pub const MOST_FINGERS: u32 = 5;
 
 /// A message of the page.
 #[derive(Debug, Deserialize)]
@@ -63,11 +75,19 @@ pub(crate) enum PageMessage {
         position_s: f64,
     },
     Press {
+        #[serde(default)]
+        finger: u32,
         point_m: [f64; 3],
         normal: [f64; 3],
         force_n: f64,
     },
+    Lift {
+        finger: u32,
+    },
     Release,
+    Random {
+        on: bool,
+    },
 }
 
 impl PageMessage {
@@ -100,10 +120,20 @@ impl PageMessage {
                 ViewCommand::Seek { position_s }
             }
             Self::Seek { position_s } => return Err(format!("no time to go to: {position_s} s")),
-            Self::Press { point_m, normal, force_n } => press(offers, point_m, normal, force_n)?,
+            Self::Press { finger, point_m, normal, force_n } => {
+                press(offers, finger, (point_m, normal), force_n)?
+            }
+            Self::Lift { finger } => {
+                offered(offers.press.is_some(), "pressing")?;
+                ViewCommand::Lift { finger }
+            }
             Self::Release => {
                 offered(offers.press.is_some(), "pressing")?;
                 ViewCommand::Release
+            }
+            Self::Random { on } => {
+                offered(offers.press.is_some(), "pressing")?;
+                ViewCommand::Random(on)
             }
         };
         Ok(Some(command))
@@ -112,13 +142,16 @@ impl PageMessage {
 
 fn press(
     offers: &Offers,
-    point_m: [f64; 3],
-    normal: [f64; 3],
+    finger: u32,
+    (point_m, normal): ([f64; 3], [f64; 3]),
     force_n: f64,
 ) -> Result<ViewCommand, String> {
     let Some(offer) = offers.press else {
         return Err("pressing is not offered here".to_owned());
     };
+    if finger >= MOST_FINGERS {
+        return Err(format!("finger {finger}, expected one below {MOST_FINGERS}"));
+    }
     if !(force_n > 0.0 && force_n <= offer.max_n) {
         return Err(format!("a press of {force_n} N, expected up to {} N", offer.max_n));
     }
@@ -126,7 +159,7 @@ fn press(
     if !point_m.iter().all(|c| c.is_finite()) || (length - 1.0).abs() > 1e-3 || length.is_nan() {
         return Err(format!("a press at {point_m:?} with a normal of length {length}, expected 1"));
     }
-    Ok(ViewCommand::Press { point_m, normal, force_n })
+    Ok(ViewCommand::Press { finger, point_m, normal, force_n })
 }
 
 #[cfg(test)]
@@ -156,9 +189,18 @@ mod tests {
         check(r#"{"cmd":"snapshot","t_s":-2.5}"#, ViewCommand::Snapshot { t_s: Some(-2.5) });
         check(r#"{"cmd":"seek","position_s":2.5}"#, ViewCommand::Seek { position_s: 2.5 });
         check(r#"{"cmd":"release"}"#, ViewCommand::Release);
+        check(r#"{"cmd":"lift","finger":2}"#, ViewCommand::Lift { finger: 2 });
+        check(r#"{"cmd":"random","on":false}"#, ViewCommand::Random(false));
+        let pressed = |finger| ViewCommand::Press {
+            finger,
+            point_m: [0.0, 0.1, 0.2],
+            normal: [0.0, 0.0, 1.0],
+            force_n: 4.0,
+        };
+        check(r#"{"cmd":"press","point_m":[0,0.1,0.2],"normal":[0,0,1],"force_n":4}"#, pressed(0));
         check(
-            r#"{"cmd":"press","point_m":[0,0.1,0.2],"normal":[0,0,1],"force_n":4}"#,
-            ViewCommand::Press { point_m: [0.0, 0.1, 0.2], normal: [0.0, 0.0, 1.0], force_n: 4.0 },
+            r#"{"cmd":"press","finger":4,"point_m":[0,0.1,0.2],"normal":[0,0,1],"force_n":4}"#,
+            pressed(4),
         );
         assert_eq!(read(r#"{"cmd":"got"}"#, &all()), Ok(None));
         assert_eq!(read(r#"{"cmd":"got","drawn":7}"#, &all()), Ok(None));
@@ -178,6 +220,9 @@ mod tests {
             r#"{"cmd":"press","point_m":[0,0,0],"normal":[0,0,1],"force_n":0}"#,
             r#"{"cmd":"press","point_m":[0,0,0],"normal":[0,0,2],"force_n":1}"#,
             r#"{"cmd":"press","point_m":[0,0],"normal":[0,0,1],"force_n":1}"#,
+            r#"{"cmd":"press","finger":5,"point_m":[0,0,0],"normal":[0,0,1],"force_n":1}"#,
+            r#"{"cmd":"press","finger":-1,"point_m":[0,0,0],"normal":[0,0,1],"force_n":1}"#,
+            r#"{"cmd":"lift"}"#,
         ];
         for text in bad {
             assert!(read(text, &all()).is_err(), "{text}");
@@ -190,6 +235,8 @@ mod tests {
             r#"{"cmd":"tare"}"#,
             r#"{"cmd":"record","on":true}"#,
             r#"{"cmd":"release"}"#,
+            r#"{"cmd":"lift","finger":0}"#,
+            r#"{"cmd":"random","on":true}"#,
             r#"{"cmd":"press","point_m":[0,0,0],"normal":[0,0,1],"force_n":1}"#,
         ] {
             assert!(read(text, &Offers::default()).is_err(), "{text}");

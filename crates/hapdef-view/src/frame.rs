@@ -12,6 +12,8 @@ pub struct ViewFrame {
     pub t_s: f64,
     /// Tared readings `[n_gauges]`, µε; not finite: none.
     pub readings_ue: Vec<f64>,
+    /// Lowest and highest reading of each gauge since the frame before `[n_gauges]`, µε; empty: the readings.
+    pub ranges_ue: Vec<[f64; 2]>,
     /// State of the gauges `[n_gauges]`; empty: all well.
     pub gauge_health: Vec<GaugeHealth>,
     /// Whether something touches, and whether that can be known.
@@ -24,6 +26,8 @@ pub struct ViewFrame {
     pub contacts: Vec<ContactMark>,
     /// Other explanations of the same readings, with their probabilities; each has its contacts.
     pub alternatives: Vec<(f64, Vec<ContactMark>)>,
+    /// What a simulated limb is truly pressed by; empty: nothing, or not known.
+    pub truths: Vec<ContactMark>,
     /// Displacement of the surface.
     pub displacement: Displacement,
     /// Rate, losses, latency, recording.
@@ -39,6 +43,8 @@ pub struct ContactMark {
     pub contact: Contact,
     /// Outward unit normal of the drawn surface there.
     pub normal: Vector3<f64>,
+    /// Least and largest force since the frame before, N; `None`: the force.
+    pub force_range_n: Option<[f64; 2]>,
 }
 
 /// Displacement of the first k surface nodes, m; of the others it is not known.
@@ -120,6 +126,9 @@ impl ViewFrame {
     /// Whether it fits a picture of `n_nodes` and `n_gauges`.
     pub(crate) fn check(&self, n_nodes: usize, n_gauges: usize) -> Result<(), ViewError> {
         same("readings", n_gauges, self.readings_ue.len())?;
+        if !self.ranges_ue.is_empty() {
+            same("ranges of readings", n_gauges, self.ranges_ue.len())?;
+        }
         if !self.gauge_health.is_empty() {
             same("states of gauges", n_gauges, self.gauge_health.len())?;
         }
@@ -135,6 +144,7 @@ impl ViewFrame {
         self.contacts
             .iter()
             .chain(alternatives)
+            .chain(&self.truths)
             .enumerate()
             .try_for_each(|(index, contact)| contact.check(index))
     }
@@ -173,7 +183,8 @@ mod tests {
     use super::{ContactMark, Displacement, ViewFrame};
 
     fn mark(force_n: f64) -> ContactMark {
-        ContactMark { contact: Contact::new(Point3::origin(), force_n), normal: Vector3::z() }
+        let contact = Contact::new(Point3::origin(), force_n);
+        ContactMark { contact, normal: Vector3::z(), force_range_n: None }
     }
 
     #[track_caller]
@@ -194,6 +205,14 @@ mod tests {
         refused(
             &ViewFrame { gauge_health: vec![GaugeHealth::Dead], ..good.clone() },
             "1 states of gauges",
+        );
+        refused(
+            &ViewFrame { ranges_ue: vec![[0.0; 2]], ..good.clone() },
+            "1 ranges of readings, the page was started with 2",
+        );
+        refused(
+            &ViewFrame { truths: vec![mark(f64::NAN)], ..good.clone() },
+            "contact 0 of a frame has a force",
         );
         refused(
             &ViewFrame { alternatives: vec![(0.5, vec![mark(1.0), mark(f64::NAN)])], ..good },

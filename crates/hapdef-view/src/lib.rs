@@ -26,7 +26,7 @@ mod token;
 mod wire;
 
 pub use client_stats::ClientInfo;
-pub use command::ViewCommand;
+pub use command::{MOST_FINGERS, ViewCommand};
 pub use device::DeviceState;
 pub use error::ViewError;
 pub use frame::{ContactMark, Displacement, Health, Recording, ReplayPosition, ViewFrame};

@@ -10,7 +10,7 @@ use crate::params::Offers;
 use crate::picture::LimbPicture;
 
 /// Version of the messages.
-const VERSION: u8 = 3;
+const VERSION: u8 = 4;
 /// First byte of the limb's surface.
 const KIND_SURFACE: u8 = 1;
 /// First byte of a frame.
@@ -102,13 +102,18 @@ pub(crate) fn surface(picture: &LimbPicture) -> Vec<u8> {
     out
 }
 
-/// A frame that was checked: 72 bytes, readings, states, contacts, alternatives, displacement.
+/// A frame that was checked: 76 bytes, readings and their ranges, states, contacts, alternatives, truths,
+/// displacement.
 pub(crate) fn frame(frame: &ViewFrame, seq: u64) -> Vec<u8> {
     let n_gauges = frame.readings_ue.len();
     let mut out = Vec::with_capacity(256 + 8 * n_gauges + displacement_bytes(&frame.displacement));
     put_header(&mut out, frame, seq);
     for &reading in &frame.readings_ue {
         put_f32(&mut out, reading);
+    }
+    for (gauge, &reading) in frame.readings_ue.iter().enumerate() {
+        let range = frame.ranges_ue.get(gauge).copied().unwrap_or([reading; 2]);
+        range.iter().for_each(|&end| put_f32(&mut out, end));
     }
     for gauge in 0..n_gauges {
         out.push(gauge_code(frame.gauge_health.get(gauge).copied().unwrap_or_default()));
@@ -119,6 +124,9 @@ pub(crate) fn frame(frame: &ViewFrame, seq: u64) -> Vec<u8> {
     }
     for (index, probability, mark) in alternative_marks(frame) {
         put_mark(&mut out, mark, index, probability);
+    }
+    for (place, mark) in marks(&frame.truths).iter().enumerate() {
+        put_mark(&mut out, mark, mark.contact.number(place), 1.0);
     }
     match &frame.displacement {
         Displacement::None => {}
@@ -159,6 +167,8 @@ fn put_header(out: &mut Vec<u8>, frame: &ViewFrame, seq: u64) {
     put_f32(out, frame.replay.map_or(f64::NAN, |replay| replay.duration_s));
     put_u32(out, health.n_dropped);
     put_f32(out, frame.p_value);
+    put_u16(out, marks(&frame.truths).len());
+    put_u16(out, 0);
 }
 
 /// Bit 0: a replay stands still, bit 1: the contacts are old; bits 4 to 6 the phase, 8 to 10 why it is
@@ -192,7 +202,7 @@ fn gauge_code(health: GaugeHealth) -> u8 {
     }
 }
 
-/// 72 bytes: number, weight, position, normal, force, its deviation, two half axes.
+/// 80 bytes: number, weight, position, normal, force, its deviation, two half axes, range of the force.
 fn put_mark(out: &mut Vec<u8>, mark: &ContactMark, number: u32, weight: f64) {
     out.extend(number.to_le_bytes());
     put_f32(out, weight);
@@ -205,6 +215,8 @@ fn put_mark(out: &mut Vec<u8>, mark: &ContactMark, number: u32, weight: f64) {
     }
     put_f32(out, force_sd_n);
     axes.iter().for_each(|axis| put_vector(out, axis));
+    let force_n = mark.force_vector_n().norm();
+    mark.force_range_n.unwrap_or([force_n; 2]).iter().for_each(|&end| put_f32(out, end));
 }
 
 fn put_vector(out: &mut Vec<u8>, vector: &Vector3<f64>) {
@@ -279,7 +291,7 @@ mod tests {
         };
         let bytes = surface(&picture);
         assert_eq!(bytes.len(), 16 + 3 * 24 + 12);
-        assert_eq!(bytes[..12], [1, 3, 0, 0, 3, 0, 0, 0, 1, 0, 0, 0]);
+        assert_eq!(bytes[..12], [1, 4, 0, 0, 3, 0, 0, 0, 1, 0, 0, 0]);
         assert_eq!(f32_at(&bytes, 16 + 12), 0.25);
         assert_eq!(f32_at(&bytes, 16 + 36 + 8), 1.0);
         assert_eq!(bytes[16 + 72 + 8], 2);
@@ -322,18 +334,21 @@ mod tests {
                 ..Contact::new(Point3::new(0.5, 0.0, 0.0), 4.0)
             },
             normal: Vector3::y(),
+            force_range_n: Some([3.5, 4.5]),
         };
         let mut other = contact;
         other.contact.uncertainty = None;
         let mut shown = ViewFrame {
             t_s: 1.5,
             readings_ue: vec![3.0, -8.0, 0.0, 1.0],
+            ranges_ue: vec![[2.0, 5.0], [-9.0, -8.0], [0.0; 2], [1.0; 2]],
             gauge_health: vec![H::Good, H::Saturated, H::Dead, H::Spike],
             phase: TouchPhase::Unknown(UnknownReason::Misfit),
             is_stale: true,
             p_value: 0.125,
             contacts: vec![contact],
             alternatives: vec![(0.25, vec![other])],
+            truths: vec![ContactMark { force_range_n: None, ..other }],
             displacement: Displacement::Vector(vec![[1.0, 2.0, 3.0]; 2]),
             ..ViewFrame::default()
         };
@@ -346,8 +361,8 @@ mod tests {
         shown.health.clock_residual_us = 4.25;
         shown.health.recording = Recording::On { recorded_s: 2.0 };
         let bytes = frame(&shown, 258);
-        assert_eq!(bytes.len(), 72 + 16 + 4 + 72 + 72 + 24);
-        assert_eq!(bytes[..8], [2, 3, 3, 1, 2, 1, 0, 0]);
+        assert_eq!(bytes.len(), 76 + 16 + 32 + 4 + 3 * 80 + 24);
+        assert_eq!(bytes[..8], [2, 4, 3, 1, 2, 1, 0, 0]);
         assert_eq!(f64::from_le_bytes(bytes[8..16].try_into().unwrap()), 1.5);
         assert_eq!([16, 18, 20].map(|at| u16_at(&bytes, at)), [4, 1, 1]);
         assert_eq!(bytes[24..28], [2, 0, 0, 0]);
@@ -357,14 +372,18 @@ mod tests {
         assert_eq!([40, 44, 48, 52].map(|at| f32_at(&bytes, at)), [182.5, 950.25, 4.25, 2.0]);
         assert!(f32_at(&bytes, 56).is_nan());
         assert_eq!(bytes[64..68], [1, 2, 0, 0]);
-        assert_eq!([68, 72, 76].map(|at| f32_at(&bytes, at)), [0.125, 3.0, -8.0]);
-        assert_eq!(bytes[88..92], [0, 1, 2, 3]);
-        assert_eq!(bytes[92], 7);
-        assert_eq!([96, 100, 116, 128].map(|at| f32_at(&bytes, at)), [1.0, 0.5, 1.0, -4.0]);
-        assert_eq!([136, 140, 160].map(|at| f32_at(&bytes, at)), [0.125, 0.5, 0.25]);
-        assert_eq!(f32_at(&bytes, 164 + 4), 0.25);
-        assert!(f32_at(&bytes, 164 + 44).is_nan());
-        assert_eq!(f32_at(&bytes, 236 + 20), 3.0);
+        assert_eq!([68, 76, 80].map(|at| f32_at(&bytes, at)), [0.125, 3.0, -8.0]);
+        assert_eq!(bytes[72..76], [1, 0, 0, 0]);
+        assert_eq!([92, 96, 100].map(|at| f32_at(&bytes, at)), [2.0, 5.0, -9.0]);
+        assert_eq!(bytes[124..128], [0, 1, 2, 3]);
+        assert_eq!(bytes[128], 7);
+        assert_eq!([132, 136, 152, 164].map(|at| f32_at(&bytes, at)), [1.0, 0.5, 1.0, -4.0]);
+        assert_eq!([172, 176, 196].map(|at| f32_at(&bytes, at)), [0.125, 0.5, 0.25]);
+        assert_eq!([200, 204].map(|at| f32_at(&bytes, at)), [3.5, 4.5]);
+        assert_eq!(f32_at(&bytes, 208 + 4), 0.25);
+        assert!(f32_at(&bytes, 208 + 44).is_nan());
+        assert_eq!([288 + 4, 288 + 72].map(|at| f32_at(&bytes, at)), [1.0, 4.0]);
+        assert_eq!(f32_at(&bytes, 368 + 20), 3.0);
         assert_eq!(u16_at(&bytes, 22), 4 << 8 | 3 << 4 | 2);
         shown.replay = Some(ReplayPosition { position_s: 4.0, duration_s: 8.0, is_paused: true });
         let bytes = frame(&shown, 259);

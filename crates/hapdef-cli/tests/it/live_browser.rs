@@ -142,6 +142,11 @@ fn a_click_presses_the_limb_and_is_found_there() {
         const force_n = Number(document.getElementById('force').value);
         return listed.length === 1 && Math.abs(listed[0] - force_n) < 0.25 * force_n; })()";
     look.chrome.wait_for(shown_right).unwrap();
+    // The true place is that of the same sample: what is said to be off is what is.
+    let off_m = "Math.hypot(...hapdefView.contacts[0].map((c, k) => c - hapdefView.truths[0][k]))";
+    let is_told =
+        format!("hapdefView.truths.length === 1 && Math.abs(hapdefView.offs[0] - {off_m}) < 1e-9");
+    look.chrome.wait_for(&is_right).unwrap();
     look.chrome.pointer("mouseReleased", at).unwrap();
     look.chrome.wait_for("hapdefView.arrows.length === 0").unwrap();
 

@@ -13,6 +13,7 @@ export class Blind {
     this.metresPerPixel = NaN;
     this.towards = new Vector3(0, 0, 1);
     this.axes = [];
+    this.right = [1, 0, 0];
   }
 
   frame() {}

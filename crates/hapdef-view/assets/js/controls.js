@@ -23,13 +23,18 @@ export class Controls {
     click("turn", () => this.setPress(false));
     click("press", () => this.setPress(true));
     click("fit", () => act.fit());
+    click("keep", () => this.setKeep(byId("keep").ariaPressed !== "true"));
+    click("random", () => this.setRandom(byId("random").ariaPressed !== "true"));
+    click("names", () => this.setNames(byId("names").ariaPressed !== "true"));
+    click("help-open", () => this.help());
+    byId("help").onclick = (event) => { if (event.target === byId("help")) byId("help").close(); };
     byId("force").oninput = () => this.setForce(Number(byId("force").value));
     byId("exaggerate").oninput = () => this.setExaggeration();
     byId("colours").onchange = () => act.colours(byId("colours").value);
     byId("time").oninput = () => act.seek(Number(byId("time").value));
     addEventListener("keydown", (event) => this.key(event));
-    addEventListener("keyup", (event) => { if (event.key === "Enter") act.release(); });
-    addEventListener("blur", () => act.release());
+    addEventListener("keyup", (event) => { if (event.key === "Enter") act.liftKey(); });
+    addEventListener("blur", () => act.blur());
     this.setExaggeration();
   }
 
@@ -38,6 +43,7 @@ export class Controls {
     this.byId("tare").hidden = !offers.tare;
     this.byId("record").hidden = !offers.record;
     this.byId("press").hidden = !offers.press;
+    this.byId("random").hidden = !offers.press;
     if (offers.press) {
       Object.assign(this.byId("force"), { min: offers.press.max_n / 50, max: offers.press.max_n, value: offers.press.default_n });
       this.setForce(offers.press.default_n);
@@ -50,8 +56,33 @@ export class Controls {
     this.byId("press").ariaPressed = String(pressing);
     this.byId("turn").ariaPressed = String(!pressing);
     this.byId("force-row").hidden = !pressing;
+    this.byId("keep").hidden = !pressing;
     this.byId("stage").classList.toggle("pressing", pressing);
     this.act.press(pressing);
+  }
+
+  /** Whether presses stay where they were let go. */
+  setKeep(on) {
+    this.byId("keep").ariaPressed = String(on);
+    this.act.keep(on);
+  }
+
+  /** Whether the limb is pressed at random while nobody presses it. */
+  setRandom(on) {
+    this.byId("random").ariaPressed = String(on);
+    this.act.send({ cmd: "random", on });
+  }
+
+  /** Whether every gauge has its name on the limb. */
+  setNames(on) {
+    this.byId("names").ariaPressed = String(on);
+    this.act.names(on);
+  }
+
+  help() {
+    const help = this.byId("help");
+    if (help.open) help.close();
+    else help.showModal();
   }
 
   setForce(force) {
@@ -94,7 +125,7 @@ export class Controls {
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (isOwn(event)) return;
+    if (isOwn(event) || (this.byId("help").open && event.key !== "?")) return;
     const done = this.keys()[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!done || (event.repeat && !event.key.startsWith("Arrow"))) return;
     event.preventDefault();
@@ -109,6 +140,11 @@ export class Controls {
       r: tap("record"),
       s: tap("snapshot"),
       f: tap("fit"),
+      h: tap("keep"),
+      a: tap("random"),
+      n: tap("names"),
+      "?": () => this.help(),
+      Escape: () => act.release(),
       " ": tap("pause"),
       p: () => this.setPress(byId("press").ariaPressed !== "true"),
       Enter: () => act.pressMiddle(),

@@ -11,6 +11,8 @@ const GREY = 0.42;
 const SHRINK_PER_S = 0.35;
 /** Farthest that a node is drawn from where it is, by the limb's radius: the limb stays in its window. */
 const MOST_BENT = 0.3;
+/** Time that an exaggeration takes to be drawn up to 1/e, ms. */
+const EASE_MS = 120;
 
 /** The limb's surface. */
 export class Limb {
@@ -31,16 +33,30 @@ export class Limb {
     this.range = 0;
     this.peak = 0;
     this.exaggeration = 0;
+    this.eased = 0;
   }
 
   setMap(name) {
     this.table = mapTable(name);
   }
 
-  /** The exaggeration that is drawn: what was asked for, or as much of it as there is room for. */
+  /** As much exaggeration as there is room for, or less if less was asked for. */
+  room(asked) {
+    return Math.min(asked, Math.max(1, (MOST_BENT * this.restRadius) / this.peak));
+  }
+
+  /** The exaggeration that will be drawn, to two digits. */
   get drawnExaggeration() {
-    const fits = Number((MOST_BENT * this.restRadius / this.peak).toPrecision(2));
-    return Math.min(this.exaggeration, Math.max(1, fits));
+    return Number(this.room(this.exaggeration).toPrecision(2));
+  }
+
+  /** Comes nearer to what was asked for within `ms`; whether there is more to come. */
+  ease(ms) {
+    const left = this.exaggeration - this.eased;
+    if (left === 0) return false;
+    const isNear = Math.abs(left) < 0.01 * Math.max(1, this.exaggeration);
+    this.eased = isNear ? this.exaggeration : this.exaggeration - left * Math.exp(-ms / EASE_MS);
+    return true;
   }
 
   /** Colours and bends the surface; `dt` s since the last frame, for the scale to follow slowly. */
@@ -91,7 +107,7 @@ export class Limb {
   /** No node moves farther than `peak`, m; those beyond the skin move with the nearest one of it. */
   bend(displacement, components, peak) {
     const { position, normal } = this.geometry.attributes;
-    const by = this.drawnExaggeration;
+    const by = this.room(this.eased);
     if (by === 0 && !this.bent) return;
     const onSkin = displacement.length / components;
     if (this.leaders?.onSkin !== onSkin) this.leaders = { onSkin, of: this.leadersOf(onSkin) };

@@ -15,9 +15,12 @@ import { Press } from "./press.js";
 import { Sites } from "./sites.js";
 import { Stage } from "./stage.js";
 import { put } from "./text.js";
+import { matches, millimetres, TruthRings } from "./truth.js";
 
 const STATES = { live: "live", away: "reconnecting", silent: "no answer", locked: "needs its token" };
 const SAY_MS = 4000;
+/** How near to a gauge a pointer looks at it, CSS pixels. */
+const NEAR_PX = 14;
 
 const byId = (id) => document.getElementById(id);
 const stage = makeStage(byId("limb"));
@@ -26,7 +29,7 @@ const legend = new Legend(byId("legend"), byId("ruler"));
 const axes = new Axes(byId("axes"));
 const panel = new Panel(byId);
 const history = new History();
-const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", held: null, fresh: false, shown: null, offers: {}, drawn: 0, drawnSeq: null, workMs: 0, fault: null, cameAt: null };
+const view = { limb: null, marks: null, sites: null, rings: null, found: [], names: false, tickedAt: 0, exaggeration: 0, map: "viridis", held: null, fresh: false, shown: null, offers: {}, drawn: 0, drawnSeq: null, workMs: 0, fault: null, cameAt: null };
 const press = new Press(stage, () => view.limb, send);
 panel.onlook = () => { view.fresh = true; };
 
@@ -38,7 +41,14 @@ const controls = new Controls(byId, {
   fit: () => stage.fit(),
   press: (on) => press.enable(on),
   pressMiddle: () => press.pressMiddle(),
+  liftKey: () => press.liftKey(),
   release: () => press.release(),
+  blur: () => press.lose(),
+  keep: (on) => press.keep(on),
+  names(on) {
+    view.names = on;
+    view.fresh = true;
+  },
   turn: (right, down) => stage.turn(right, down),
   zoom: (factor) => stage.zoom(factor),
   force(force) {
@@ -58,6 +68,14 @@ const controls = new Controls(byId, {
   },
 });
 
+stage.canvas.addEventListener("pointermove", ({ offsetX, offsetY, buttons }) => {
+  if (!view.sites || buttons) return;
+  const near = view.sites.near(stage, offsetX, offsetY, NEAR_PX);
+  panel.look(near < 0 ? panel.chosen : near);
+});
+stage.canvas.addEventListener("pointerleave", () => panel.look(panel.chosen));
+
+const stills = matchMedia("(prefers-reduced-motion: reduce)");
 const link = new Link({ hello, device, frame, text, state });
 requestAnimationFrame(tick);
 
@@ -75,18 +93,19 @@ function hello(message, surface) {
   document.title = `${message.title} · hapdef`;
   byId("title").textContent = message.title;
   const isOther = !view.limb || !isSame(view.limb.rest, surface.positions);
-  for (const part of [view.limb?.mesh, view.marks?.group, view.sites?.group]) if (part) stage.scene.remove(part);
-  for (const part of [view.limb, view.marks, view.sites]) part?.dispose();
-  view.limb = Object.assign(new Limb(surface), { exaggeration: view.exaggeration });
+  for (const part of [view.limb?.mesh, view.marks?.group, view.sites?.group, view.rings?.group]) if (part) stage.scene.remove(part);
+  for (const part of [view.limb, view.marks, view.sites, view.rings]) part?.dispose();
+  view.limb = Object.assign(new Limb(surface), { exaggeration: view.exaggeration, eased: view.exaggeration });
   view.limb.setMap(view.map);
   if (isOther && message.offers.press) say("Drag on the limb to press it");
   if (isOther) stage.frame(view.limb.geometry, message.up, message.view_from);
   view.marks = new Marks(view.limb, stage.sphere.radius);
   view.sites = new Sites(message.gauges, stage.sphere.radius);
-  stage.scene.add(view.limb.mesh, view.marks.group, view.sites.group);
+  view.rings = new TruthRings(view.limb, stage.sphere.radius);
+  stage.scene.add(view.limb.mesh, view.marks.group, view.sites.group, view.rings.group);
   stage.stale = true;
   history.clear();
-  Object.assign(view, { shown: null, marked: null, drawnSeq: null });
+  Object.assign(view, { shown: null, marked: null, found: [], drawnSeq: null });
   hold(null);
   panel.setGauges(message.gauges);
   panel.wait();
@@ -128,7 +147,7 @@ function frame(buffer) {
   const now = history.add(buffer);
   announce(before, now);
   byId("record").ariaPressed = String(now.health.recording === "on");
-  panel.showHealth(now.health, now.replay, performance.now());
+  panel.showHealth(now.health, now.p, now.replay, performance.now());
   if (now.replay) controls.setPaused(now.replay.paused);
   if (!view.held || now.replay) view.fresh = true;
   link.send({ cmd: "got", drawn: view.drawnSeq });
@@ -155,6 +174,9 @@ function state(name) {
 function tick(now) {
   requestAnimationFrame(tick);
   const began = performance.now();
+  const passed = now - view.tickedAt;
+  view.tickedAt = now;
+  if (view.limb?.ease(stills.matches ? Infinity : passed)) view.fresh = true;
   if (view.fresh && view.limb) {
     const chosen = view.held?.frame ?? history.last;
     if (chosen) show(chosen, now);
@@ -181,12 +203,14 @@ function show(chosen, now) {
   const recent = view.held?.recent ?? history.span(chosen.t, SPAN_S);
   view.limb.show(chosen, chosen.t - (view.shown?.t ?? chosen.t));
   view.marked = view.marks.show(chosen, recent);
+  view.rings.show(chosen.truths);
+  view.found = matches(chosen.contacts, chosen.truths);
   view.sites.follow(view.limb);
   view.sites.show(Array.from(chosen.states), panel.seen);
   byId("legend").hidden = chosen.components === 0;
   legend.setRange(view.limb.range);
   controls.showExaggeration(view.limb.drawnExaggeration);
-  panel.show(chosen, recent, now);
+  panel.show(chosen, recent, now, stage.right);
   byId("stage").classList.toggle("unknown", chosen.phase === "unknown");
   view.shown = chosen;
   stage.stale = true;
@@ -204,19 +228,25 @@ function showTime(chosen) {
 }
 
 function placeLabels() {
-  const marks = (view.marked ?? []).map(({ mark, other, tail, sign, colour }) => ({
+  const marks = (view.marked ?? []).map(({ mark, other, tail, sign, colour }, i) => ({
     point: tail,
     text: newtons(mark.newtons),
-    small: other ? `or ${(100 * mark.weight).toFixed(0)} %` : "",
+    small: beside(mark, other, i),
     colour,
     kind: other ? "other" : "",
     clear: sign.sprite.visible ? sign.radius / stage.metresPerPixel + 4 : 0,
   }));
-  const { seen } = panel;
-  if (seen >= 0 && view.sites.gauges[seen]) {
-    marks.push({ point: view.sites.at(seen), text: view.sites.gauges[seen].name, small: "", colour: "", kind: "name", clear: 0 });
-  }
+  view.sites.gauges.forEach(({ name }, i) => {
+    if (!view.names && i !== panel.seen) return;
+    marks.push({ point: view.sites.at(i), text: name, small: "", colour: "", kind: i === panel.seen ? "name seen" : "name", clear: 0 });
+  });
   labels.show(stage, marks);
+}
+
+/** What is said beside a force: how probable, or how far off the truth. */
+function beside(mark, other, i) {
+  if (other) return `or ${(100 * mark.weight).toFixed(0)} %`;
+  return view.found[i] ? `${millimetres(view.found[i].off)} off` : "";
 }
 
 /** Stops the picture here; a replay stops at its source, whose frames say so. */
@@ -312,6 +342,10 @@ globalThis.hapdefView = {
   get sites() { return view.sites?.colours() ?? []; },
   get others() { return view.shown?.others.length ?? 0; },
   get ellipses() { return (view.marks?.arrows ?? []).filter((arrow) => arrow.group.visible && arrow.ellipse.visible).length; },
+  /** True contacts that are shown, and how far off each contact is, m. */
+  get truths() { return (view.shown?.truths ?? []).map((mark) => Array.from(mark.position)); },
+  get offs() { return (view.found ?? []).map((found) => found?.off ?? null); },
+  get pressing() { return press.fingers.filter((held) => held !== undefined).length; },
   get ghosts() { return view.marks?.nGhosts ?? 0; },
   get newest() { return history.last?.t ?? NaN; },
   get radius() { return stage.sphere.radius; },

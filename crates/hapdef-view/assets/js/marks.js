@@ -10,7 +10,7 @@ import { Sign } from "./sign.js";
 const GHOST_S = 3;
 const MOST_GHOSTS = 512;
 /** An ellipse holds the contact with 95 % probability: √χ²₀.₉₅(2). */
-const SDS = 2.4477;
+export const SDS = 2.4477;
 const UP = new Vector3(0, 1, 0);
 
 const shaft = new CylinderGeometry(1, 1, 1, 16).translate(0, 0.5, 0);

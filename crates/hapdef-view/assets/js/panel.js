@@ -3,6 +3,8 @@
 import { contactColour, mapColour, roundUp } from "./colour.js";
 import { Plot, SPAN_S } from "./plot.js";
 import { element, keep, put } from "./text.js";
+import { matches, millimetres } from "./truth.js";
+import { drawZoom, makeZoom } from "./zoom.js";
 
 const STATES = ["", "saturated", "dead", "out"];
 const WORDS = { saturated: "sat.", dead: "dead", out: "out" };
@@ -10,6 +12,8 @@ const TEXT_MS = 100;
 const PLOT_MS = 50;
 /** A pause longer than this, s, breaks a contact's line. */
 const BREAK_S = 0.25;
+/** Readings that are explained worse than in one of a thousand frames by chance. */
+const POOR_FIT = 1e-3;
 
 /** The readings. */
 export class Panel {
@@ -18,6 +22,7 @@ export class Panel {
     this.forces = new Plot(byId("force-plot"), 1);
     this.strains = new Plot(byId("gauge-plot"), 10);
     this.seen = -1;
+    this.chosen = -1;
     this.textAt = 0;
     this.plotAt = 0;
     this.healthAt = 0;
@@ -26,6 +31,7 @@ export class Panel {
   /** Rows for `gauges`. */
   setGauges(gauges) {
     this.rows = gauges.map((gauge, i) => this.row(gauge, i));
+    this.rows.forEach(({ root }, i) => root.style.setProperty("--curve", gaugeColour(i, gauges.length)));
     this.byId("gauges").replaceChildren(...this.rows.map((row) => row.root));
   }
 
@@ -35,27 +41,39 @@ export class Panel {
     const value = element("span", "value");
     track.setAttribute("aria-hidden", "true");
     const root = element("li", "", element("span", "", gauge.name), track, value);
+    root.tabIndex = 0;
     root.onpointerenter = () => this.look(i);
-    root.onpointerleave = () => this.look(-1);
+    root.onpointerleave = () => this.look(this.chosen);
+    root.onfocus = () => this.look(i);
+    root.onblur = () => this.look(this.chosen);
+    root.onclick = () => this.choose(i);
     return { root, fill, value };
   }
 
+  /** Keeps a gauge in sight, or no longer. */
+  choose(i) {
+    this.chosen = this.chosen === i ? -1 : i;
+    this.look(this.chosen);
+  }
+
+  /** Sets a gauge off here, in the plot and on the limb. */
   look(i) {
+    if (this.seen === i) return;
     this.seen = i;
     this.rows.forEach((row, k) => row.root.classList.toggle("seen", k === i));
     this.plotAt = 0;
     this.onlook();
   }
 
-  /** Shows a frame; `recent` are the frames of the last ten seconds. */
-  show(frame, recent, now) {
+  /** Shows a frame; `recent` are the frames of the last ten seconds, `right` is where the screen's right points. */
+  show(frame, recent, now, right) {
     if (now - this.plotAt >= PLOT_MS) {
       this.plotAt = now;
       this.draw(frame, recent);
     }
     if (now - this.textAt < TEXT_MS) return;
     this.textAt = now;
-    this.showContacts(frame);
+    this.showContacts(frame, right);
     this.showGauges(frame);
   }
 
@@ -68,16 +86,18 @@ export class Panel {
     this.forces.draw(frame.t, forceLines(recent), false);
     const n = frame.readings.length;
     const lines = Array.from({ length: n }, (_, i) => ({
-      colour: i === this.seen ? this.strains.style.getPropertyValue("--text") : gaugeColour(i, n),
+      colour: i === this.seen ? this.strains.style.getPropertyValue("--accent") : gaugeColour(i, n),
       wide: i === this.seen,
-      points: recent.map((entry) => [entry.t, entry.frame.states[i] === 2 ? NaN : entry.frame.readings[i]]),
+      points: recent.map(({ t, frame }) => [t, frame.states[i] === 2 ? NaN : frame.readings[i], frame.ranges[2 * i], frame.ranges[2 * i + 1]]),
     }));
     if (this.seen >= 0 && this.seen < n) lines.push(...lines.splice(this.seen, 1));
     this.strains.draw(frame.t, lines, true);
   }
 
-  showContacts({ contacts, others, phase, why, stale }) {
-    const marks = [...contacts.map((mark) => ({ mark, other: false })), ...others.map((mark) => ({ mark, other: true }))];
+  showContacts({ contacts, others, truths, phase, why, stale }, right) {
+    const found = matches(contacts, truths);
+    const marks = [...contacts.map((mark, i) => ({ mark, other: false, found: found[i], right })), ...others.map((mark) => ({ mark, other: true, found: null, right }))];
+    this.byId("truth-key").hidden = truths.length === 0;
     this.byId("no-contacts").hidden = marks.length > 0;
     const unknown = phase === "unknown" ? why : null;
     put(this.byId("unknown"), (marks.length && unknown) || "");
@@ -92,7 +112,7 @@ export class Panel {
 
   /** Before there is a frame. */
   wait() {
-    this.showContacts({ contacts: [], others: [] });
+    this.showContacts({ contacts: [], others: [], truths: [] }, [1, 0, 0]);
     this.showNoContacts(this.fault || "Waiting for readings");
   }
 
@@ -116,7 +136,7 @@ export class Panel {
   }
 
   /** Health is always the newest, whatever frame is shown; a replay may stand still. */
-  showHealth(health, replay, now) {
+  showHealth(health, p, replay, now) {
     if (now - this.healthAt < TEXT_MS) return;
     this.healthAt = now;
     const items = [
@@ -125,6 +145,7 @@ export class Panel {
       ["Dropped", count(health.dropped), health.dropped > 0],
       ["CRC errors", count(health.crc), health.crc > 0],
       ["Latency", `${time(health.p50)} · p99 ${time(health.p99)}`, false],
+      ["Fit", fit(p), p < POOR_FIT],
       ["Clock", Number.isFinite(health.clock) ? `±${time(health.clock)}` : "–", false],
       ["Recording", recording(health), health.recording === "failed"],
     ];
@@ -140,10 +161,12 @@ export class Panel {
 /** A force with a sensible number of digits. */
 export const newtons = (force) => `${force.toFixed(force < 9.95 ? 1 : 0)} N`;
 
-const makeContact = () => element("li", "", element("b"), element("span"), element("span"));
+const makeContact = () => element("li", "", element("b"), element("span"), element("span", "off"), makeZoom(), element("span", "where"));
 
-function fillContact(row, { mark, other }) {
-  const [force, sure, where] = row.children;
+function fillContact(row, { mark, other, found, right }) {
+  const [force, sure, off, zoom, where] = row.children;
+  put(off, found ? `${millimetres(found.off)} off` : "");
+  drawZoom(zoom, mark, found?.truth, right);
   row.classList.toggle("other", other);
   row.style.setProperty("--mark", contactColour(mark.id));
   put(force, newtons(mark.newtons));
@@ -157,19 +180,19 @@ function forceSd({ forceSd: sd }) {
 
 /** Position with the larger standard deviation. */
 function place({ position, axes }) {
-  const at = Array.from(position, (c) => (1e3 * c).toFixed(0).replace("-", "−")).join(", ");
+  const at = Array.from(position, (c, i) => `${"xyz"[i]} ${(1e3 * c).toFixed(0).replace("-", "−")}`).join("  ");
   return `${at}${axes ? ` ±${(1e3 * Math.hypot(...axes[0])).toFixed(1)}` : ""} mm`;
 }
 
 function forceLines(recent) {
   const byId = new Map();
   for (const { t, frame } of recent) {
-    for (const { id, newtons: force } of frame.contacts) {
+    for (const { id, newtons: force, range: [low, high] } of frame.contacts) {
       if (!byId.has(id)) byId.set(id, []);
       const points = byId.get(id);
       const last = points.at(-1);
       if (last && t - last[0] > BREAK_S) points.push([t, NaN]);
-      points.push([t, force]);
+      points.push([t, force, low, high]);
     }
   }
   return [...byId].map(([id, points]) => ({ colour: contactColour(id), wide: true, points }));
@@ -187,6 +210,12 @@ const count = (n) => n.toLocaleString("en");
 function time(us) {
   if (!Number.isFinite(us)) return "–";
   return us < 995 ? `${us.toFixed(us < 9.95 ? 1 : 0)} µs` : `${(us / 1e3).toFixed(us < 9950 ? 1 : 0)} ms`;
+}
+
+/** How probable readings are that are explained as badly. */
+function fit(p) {
+  if (!Number.isFinite(p)) return "–";
+  return p < POOR_FIT ? "poor" : `p ${p.toFixed(2)}`;
 }
 
 function recording({ recording: state, recorded }) {

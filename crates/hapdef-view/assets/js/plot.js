@@ -19,10 +19,11 @@ export class Plot {
     this.style = getComputedStyle(canvas);
   }
 
-  /** Draws `lines` [{colour, wide, points: [[t, y], …]}] up to the time `now`. */
+  /** Draws `lines` [{colour, wide, points: [[t, y, low, high], …]}] up to the time `now`; `low` and `high` are what
+   * came between the point before and this one. */
   draw(now, lines, signed) {
     this.size();
-    const most = lines.reduce((top, line) => line.points.reduce((m, [, y]) => (Math.abs(y) > m ? Math.abs(y) : m), top), 0);
+    const most = lines.reduce((top, line) => line.points.reduce((m, [, , low, high]) => (Math.max(high, -low) > m ? Math.max(high, -low) : m), top), 0);
     const high = roundUp(Math.max(most, this.least), [1, 1.5, 2, 3, 4, 6, 8, 10]);
     const low = signed ? -high : 0;
     const values = [high, (high + low) / 2, low];
@@ -89,13 +90,18 @@ export class Plot {
     pen.lineJoin = "round";
     pen.beginPath();
     let down = false;
-    for (const [t, v] of points) {
+    for (const [t, v, bottom, top] of points) {
       if (!Number.isFinite(v)) {
         down = false;
         continue;
       }
       if (down) pen.lineTo(x(t), y(v));
       else pen.moveTo(x(t), y(v));
+      if (y(bottom) - y(top) > 1) {
+        pen.moveTo(x(t), y(bottom));
+        pen.lineTo(x(t), y(top));
+        pen.moveTo(x(t), y(v));
+      }
       down = true;
     }
     pen.stroke();

@@ -1,6 +1,10 @@
-// Pressing the virtual limb with a pointer or the keyboard.
+// Pressing the virtual limb: with several fingers, or one after the other where presses are kept.
 
 const STEP_MS = 33;
+/** Presses at a time, as many as the program takes. */
+export const MOST_FINGERS = 5;
+/** The finger of the keyboard among pointers. */
+const KEY = "key";
 
 /** Sends presses while the limb is held. */
 export class Press {
@@ -9,12 +13,16 @@ export class Press {
     this.limb = limb;
     this.send = send;
     this.on = false;
-    this.held = null;
+    this.keeps = false;
+    /** What presses: pointer or key, or null for a press that is kept. */
+    this.fingers = new Array(MOST_FINGERS).fill(undefined);
+    /** Where each finger pressed last. */
+    this.places = [];
     this.sentAt = 0;
     const { canvas } = stage;
     canvas.addEventListener("pointerdown", (event) => this.down(event), true);
     canvas.addEventListener("pointermove", (event) => this.move(event));
-    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => this.up(event));
+    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => this.end(event.pointerId));
   }
 
   /** Whether dragging on the limb presses it. */
@@ -23,52 +31,86 @@ export class Press {
     if (!on) this.release();
   }
 
+  /** Whether presses stay where they were let go; those that stayed end with it. */
+  keep(on) {
+    this.keeps = on;
+    if (!on) this.release();
+  }
+
   down(event) {
-    if (!this.on || !event.isPrimary || event.button !== 0) return;
-    if (!this.pressAt(event.offsetX, event.offsetY)) return;
-    this.held = event.pointerId;
+    if (!this.on || event.button !== 0) return;
+    if (!this.begin(event.pointerId, event.offsetX, event.offsetY)) return;
     this.stage.controls.enabled = false;
     this.stage.canvas.setPointerCapture(event.pointerId);
   }
 
-  move(event) {
-    if (event.pointerId !== this.held || performance.now() - this.sentAt < STEP_MS) return;
-    this.pressAt(event.offsetX, event.offsetY);
+  /** Whether there was a finger left and the limb below it. */
+  begin(by, x, y) {
+    const finger = this.fingers.indexOf(undefined);
+    if (finger < 0 || !this.pressAt(finger, x, y)) return false;
+    this.fingers[finger] = by;
+    return true;
   }
 
-  up(event) {
-    if (event.pointerId === this.held) this.release();
+  move(event) {
+    const finger = this.fingers.indexOf(event.pointerId);
+    if (finger < 0 || performance.now() - this.sentAt < STEP_MS) return;
+    this.pressAt(finger, event.offsetX, event.offsetY);
+  }
+
+  /** A pointer or the key is let go. */
+  end(by) {
+    const finger = this.fingers.indexOf(by);
+    if (finger < 0) return;
+    this.fingers[finger] = this.keeps ? null : undefined;
+    if (!this.fingers.some((held) => held !== undefined && held !== null)) this.stage.controls.enabled = true;
+    if (this.keeps) return;
+    const isLast = this.fingers.every((held) => held === undefined);
+    this.send(isLast ? { cmd: "release" } : { cmd: "lift", finger });
   }
 
   /** Presses the middle of the view, for the keyboard. */
   pressMiddle() {
     const { clientWidth, clientHeight } = this.stage.canvas;
-    if (this.on && this.held === null && this.pressAt(clientWidth / 2, clientHeight / 2)) this.held = "key";
+    if (this.on && !this.fingers.includes(KEY)) this.begin(KEY, clientWidth / 2, clientHeight / 2);
   }
 
-  /** Sends the press again with another force. */
+  /** The keyboard lets go. */
+  liftKey() {
+    this.end(KEY);
+  }
+
+  /** Pointers and keys may be let go unseen: they are taken as let go. */
+  lose() {
+    for (const held of this.fingers) if (held !== undefined && held !== null) this.end(held);
+  }
+
+  /** Sends what is held again with another force; what is kept keeps its own. */
   again() {
-    if (this.held !== null && this.last) this.press(this.last);
+    this.fingers.forEach((held, finger) => {
+      if (held !== undefined && held !== null) this.press(finger, this.places[finger]);
+    });
   }
 
+  /** Lets everything go. */
   release() {
-    if (this.held === null) return;
-    this.held = null;
+    if (this.fingers.every((held) => held === undefined)) return;
+    this.fingers.fill(undefined);
     this.stage.controls.enabled = true;
     this.send({ cmd: "release" });
   }
 
-  pressAt(x, y) {
+  pressAt(finger, x, y) {
     const limb = this.limb();
     const hit = limb && this.stage.pick(x, y, limb.mesh);
     if (!hit) return false;
-    this.press(limb.restPoint(hit));
+    this.press(finger, limb.restPoint(hit));
     return true;
   }
 
-  press({ point, normal }) {
-    this.last = { point, normal };
+  press(finger, { point, normal }) {
+    this.places[finger] = { point, normal };
     this.sentAt = performance.now();
-    this.send({ cmd: "press", point_m: point, normal, force_n: this.force });
+    this.send({ cmd: "press", finger, point_m: point, normal, force_n: this.force });
   }
 }

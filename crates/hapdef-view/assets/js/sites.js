@@ -60,6 +60,16 @@ export class Sites {
     });
   }
 
+  /** The gauge within `reach` pixels of a place on the stage, that nearest to it; -1: none. */
+  near(stage, x, y, reach) {
+    const off = this.gauges.map((_, i) => {
+      const [px, py] = stage.project(this.at(i));
+      return Math.hypot(px - x, py - y);
+    });
+    const least = Math.min(...off);
+    return least <= reach ? off.indexOf(least) : -1;
+  }
+
   /** Where a gauge is drawn. */
   at(i) {
     const matrix = new Matrix4();

@@ -95,6 +95,11 @@ export class Stage {
     return new Vector3(0, 0, 1).applyQuaternion(this.camera.quaternion);
   }
 
+  /** Where the screen's right points. */
+  get right() {
+    return new Vector3(1, 0, 0).applyQuaternion(this.camera.quaternion).toArray();
+  }
+
   /** x, y and z as they are seen, each as [right, up, towards the viewer]. */
   get axes() {
     const seen = this.camera.quaternion.clone().invert();

@@ -1,8 +1,8 @@
 // Messages of the server, byte by byte as docs/view.md has them. Little-endian.
 
-const VERSION = 3;
-const HEADER_BYTES = 72;
-const MARK_BYTES = 72;
+const VERSION = 4;
+const HEADER_BYTES = 76;
+const MARK_BYTES = 80;
 const PHASES = ["taring", "untouched", "touched", "unknown"];
 /** Why a phase is unknown. */
 const WHY = ["", "Too few gauges count to exclude a contact", "No readings come", "The tare is not valid", "Readings not explained", "The readings drift too fast"];
@@ -39,10 +39,13 @@ export function readFrame(buffer) {
   const nOthers = view.getUint16(20, true);
   const flags = view.getUint16(22, true);
   const components = view.getUint8(2);
-  const statesAt = HEADER_BYTES + 4 * nGauges;
+  const nTruths = view.getUint16(72, true);
+  const rangesAt = HEADER_BYTES + 4 * nGauges;
+  const statesAt = rangesAt + 8 * nGauges;
   const contactsAt = statesAt + 4 * Math.ceil(nGauges / 4);
   const othersAt = contactsAt + MARK_BYTES * nContacts;
-  const displacementAt = othersAt + MARK_BYTES * nOthers;
+  const truthsAt = othersAt + MARK_BYTES * nOthers;
+  const displacementAt = truthsAt + MARK_BYTES * nTruths;
   return {
     seq: u32(4),
     t: view.getFloat64(8, true),
@@ -56,9 +59,11 @@ export function readFrame(buffer) {
     stale: Boolean(flags & 2),
     p: f32(68),
     readings: new Float32Array(buffer, HEADER_BYTES, nGauges),
+    ranges: new Float32Array(buffer, rangesAt, 2 * nGauges),
     states: new Uint8Array(buffer, statesAt, nGauges),
     contacts: readMarks(buffer, contactsAt, nContacts),
     others: readMarks(buffer, othersAt, nOthers),
+    truths: readMarks(buffer, truthsAt, nTruths),
     components,
     displacement: new Float32Array(buffer, displacementAt, components * u32(24)),
   };
@@ -75,7 +80,7 @@ export function withoutDisplacement({ displacement }) {
 function readMarks(buffer, at, n) {
   return Array.from({ length: n }, (_, i) => {
     const [id] = new Uint32Array(buffer, at + MARK_BYTES * i, 1);
-    const w = new Float32Array(buffer, at + MARK_BYTES * i, 18);
+    const w = new Float32Array(buffer, at + MARK_BYTES * i, 20);
     const force = w.subarray(8, 11);
     return {
       id,
@@ -85,6 +90,7 @@ function readMarks(buffer, at, n) {
       force,
       newtons: Math.hypot(...force),
       forceSd: w[11],
+      range: w.subarray(18, 20),
       axes: Number.isFinite(w[12]) ? [w.subarray(12, 15), w.subarray(15, 18)] : null,
     };
   });

@@ -122,9 +122,12 @@ fn push_until(
 
 fn after(touches: Vec<Touch>, command: ViewCommand) -> Vec<Touch> {
     match command {
-        ViewCommand::Press { point_m, normal, force_n } => {
-            vec![Touch { id: 0, point_m, normal, force_n }]
+        ViewCommand::Press { finger, point_m, normal, force_n } => {
+            let mut others: Vec<Touch> = touches.into_iter().filter(|t| t.id != finger).collect();
+            others.push(Touch { id: finger, point_m, normal, force_n });
+            others
         }
+        ViewCommand::Lift { finger } => touches.into_iter().filter(|t| t.id != finger).collect(),
         ViewCommand::Release => Vec::new(),
         _ => touches,
     }
@@ -169,7 +172,7 @@ fn a_click_on_the_limb_presses_it_there() {
     let known = scene.numbers(&format!("hapdefView.node({node})"));
     scene.chrome.pointer("mouseMoved", (x, y)).unwrap();
     scene.chrome.pointer("mousePressed", (x, y)).unwrap();
-    let ViewCommand::Press { point_m, force_n, normal } =
+    let ViewCommand::Press { point_m, force_n, normal, .. } =
         scene.feed.hears(|c| matches!(c, ViewCommand::Press { .. }))
     else {
         unreachable!()

@@ -94,7 +94,7 @@ fn a_light_page_marks_what_is_dead_saturated_and_doubtful() {
     );
     look.is(
         "[...document.querySelectorAll('#health div:not(.bad)')].map((row) => row.textContent)",
-        &json!(["Latency182 µs · p99 1.7 ms", "Clock±4.3 µs", "Recordingoff"]),
+        &json!(["Latency182 µs · p99 1.7 ms", "Fitp 0.40", "Clock±4.3 µs", "Recordingoff"]),
     );
     let (good, saturated, dead, out) = ("#f3f6fa", "#ffb454", "#ff7b72", "#8a94a3");
     look.is(
@@ -229,9 +229,9 @@ fn everything_that_is_handled_has_a_name() {
         };
         let all = "[...document.querySelectorAll('button, input, select, [role=img]')]
             .filter((part) => part.checkVisibility())";
-        // Seven buttons, three sliders, one list, the limb and two plots.
-        look.is(&format!("{all}.length"), &json!(14));
-        for i in 0..14 {
+        // Eleven buttons, three sliders, one list, the limb, two plots and the contact's region.
+        look.is(&format!("{all}.length"), &json!(19));
+        for i in 0..19 {
             let part = format!("{all}[{i}]");
             let name = look.chrome.name_of(&part).unwrap();
             let id = look.chrome.eval(&format!("{part}.id")).unwrap();

@@ -61,7 +61,7 @@ fn texts_change_in_place() {
     look.do_it(
         "globalThis.texts = [...document.querySelectorAll(
             '#contacts b, #contacts span, #health dt, #health dd, #gauges .value, #time-out')]
-            .map((part) => part.firstChild);
+            .map((part) => part.firstChild).filter(Boolean);
         globalThis.rate = document.querySelector('#health dd').textContent;
         getSelection().selectAllChildren(document.querySelector('#contacts b'))",
     );

@@ -48,9 +48,9 @@ fn a_frame_comes_as_it_was_pushed() {
     let frame = a_frame();
     view.push(&frame).unwrap();
     let bytes = next_binary(&mut socket);
-    let reading = f32::from_le_bytes(bytes[72..76].try_into().unwrap());
+    let reading = f32::from_le_bytes(bytes[76..80].try_into().unwrap());
     assert_eq!(reading, frame.readings_ue[0] as f32);
-    assert_eq!(bytes.len(), 72 + 40 + 12 + 72 * frame.contacts.len() + 12 * 3216);
+    assert_eq!(bytes.len(), 76 + 120 + 12 + 80 * frame.contacts.len() + 12 * 3216);
 }
 
 #[test]

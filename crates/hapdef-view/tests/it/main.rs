@@ -9,6 +9,7 @@
 mod browser;
 mod browser_looks;
 mod browser_reads;
+mod browser_simulated;
 mod feed;
 mod security;
 mod support;

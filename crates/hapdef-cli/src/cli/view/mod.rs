@@ -5,6 +5,7 @@ mod first_paint;
 mod opener;
 mod page_session;
 mod picture;
+mod ranges;
 mod show;
 mod sink;
 mod snapshots;

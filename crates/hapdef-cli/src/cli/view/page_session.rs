@@ -16,6 +16,7 @@ use hapdef_view::{ViewCommand, ViewHandle};
 use super::Shared;
 use super::first_paint::FirstPaint;
 use super::opener::PageOpener;
+use super::ranges::Ranges;
 use super::show::Show;
 use super::sink::lock;
 use super::snapshots::{Shown, Snapshots};
@@ -115,16 +116,19 @@ impl Attendant {
         if since < PERIOD {
             return Ok(());
         }
-        let (is_new, health, device, silence) = {
-            let newest = lock(&self.shared.newest);
+        let (is_new, ranges, health, device, silence) = {
+            let mut newest = lock(&self.shared.newest);
             let is_new = newest.n_frames != pace.n_frames;
+            let n_frames = newest.n_frames;
+            let ranges =
+                if is_new { std::mem::take(&mut newest.ranges) } else { Ranges::default() };
             if let Some(frame) = newest.frame.as_ref().filter(|_| is_new) {
-                pace.n_frames = newest.n_frames;
+                pace.n_frames = n_frames;
                 pace.frame
                     .get_or_insert_with(|| LiveFrame::new(frame.raw_ue.len()))
                     .copy_from(frame);
             }
-            (is_new, newest.health.clone(), newest.device.clone(), newest.silence)
+            (is_new, ranges, newest.health.clone(), newest.device.clone(), newest.silence)
         };
         self.handle.set_device(&device);
         let Some(frame) = &pace.frame else {
@@ -135,7 +139,10 @@ impl Attendant {
         }
         pace.at = Some(Instant::now());
         if is_new {
-            let t_s = self.show.take(frame);
+            let t_s = self.show.take(frame, &ranges);
+            if let Some(virtual_press) = &self.virtual_press {
+                self.show.take_truth(&virtual_press.truth(frame.seq));
+            }
             pace.shown.add(t_s, frame);
         }
         if let Some(status) = silence {
@@ -198,9 +205,19 @@ impl Attendant {
                 self.control.tare();
                 self.handle.say("Taring: touch nothing");
             }
-            ViewCommand::Press { point_m, force_n, .. } => {
+            ViewCommand::Press { finger, point_m, force_n, .. } => {
                 if let Some(virtual_press) = &mut self.virtual_press {
-                    virtual_press.press(point_m, force_n);
+                    virtual_press.press(finger, point_m, force_n);
+                }
+            }
+            ViewCommand::Lift { finger } => {
+                if let Some(virtual_press) = &mut self.virtual_press {
+                    virtual_press.lift(finger);
+                }
+            }
+            ViewCommand::Random(on) => {
+                if let Some(virtual_press) = &mut self.virtual_press {
+                    virtual_press.set_random(on);
                 }
             }
             ViewCommand::Release => {

@@ -5,10 +5,12 @@ use std::sync::Arc;
 use anyhow::Result;
 use hapdef_daq::record::PlayerControl;
 use hapdef_live::{Alternative, Contact, Health, LiveFrame, PhaseStatus, Touch};
+use hapdef_rig::live::TrueContact;
 use hapdef_view::{ContactMark, Displacement, Recording, ReplayPosition, ViewFrame, ViewPusher};
 
 use super::Shared;
 use super::picture::Surface;
+use super::ranges::Ranges;
 use crate::cli::live_record::LiveRecorderState;
 
 /// Delays that the shown quantiles come from.
@@ -54,20 +56,33 @@ impl Show {
         }
     }
 
-    /// Takes a frame; its time on the page, s.
-    pub(super) fn take(&mut self, frame: &LiveFrame) -> f64 {
+    /// Takes a frame, and the ranges of those since the one that was shown before; its time on the page, s.
+    pub(super) fn take(&mut self, frame: &LiveFrame, ranges: &Ranges) -> f64 {
         self.take_time(frame);
         self.take_readings(frame);
+        self.shown.ranges_ue.clone_from(&ranges.readings_ue);
         self.take_touch(&frame.touch);
+        for (place, mark) in self.shown.contacts.iter_mut().enumerate() {
+            mark.force_range_n = ranges.force_n(mark.contact.number(place));
+        }
         self.take_phase(frame);
         self.deform(&frame.touch);
         self.take_delay(frame);
         self.shown.t_s
     }
 
+    /// Takes what truly pressed when the frame was sampled.
+    pub(super) fn take_truth(&mut self, contacts: &[TrueContact]) {
+        self.shown.truths.clear();
+        let marks = contacts.iter().map(|contact| mark(&self.surface, contact.contact()));
+        self.shown.truths.extend(marks);
+    }
+
     /// Nothing is known any more of what was taken: the device is away.
     pub(super) fn lose(&mut self) {
         self.shown.readings_ue.fill(f64::NAN);
+        self.shown.ranges_ue.clear();
+        self.shown.truths.clear();
         self.take_touch(&Touch::default());
         self.deform(&Touch::default());
     }
@@ -204,7 +219,7 @@ fn probable(others: &[Alternative]) -> impl Iterator<Item = (f64, &Alternative)>
 }
 
 fn mark(surface: &Surface, contact: Contact) -> ContactMark {
-    ContactMark { contact, normal: surface.normal_at(&contact.position_m) }
+    ContactMark { contact, normal: surface.normal_at(&contact.position_m), force_range_n: None }
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use hapdef_live::{AnyError, Health, LiveEvent, LiveFrame, PhaseStatus, Sink, Tar
 use hapdef_view::{DeviceState, ViewPusher};
 
 use super::Shared;
+use super::ranges::Ranges;
 
 /// Hands over the newest frame and says what happens.
 pub(crate) struct ViewSink {
@@ -22,6 +23,8 @@ pub(super) struct Newest {
     /// Frames so far.
     pub(super) n_frames: u64,
     pub(super) frame: Option<LiveFrame>,
+    /// Of the frames that were not shown yet.
+    pub(super) ranges: Ranges,
     /// What is known since no frame came any more.
     pub(super) silence: Option<PhaseStatus>,
     pub(super) health: Option<Arc<Health>>,
@@ -37,6 +40,7 @@ impl Newest {
         }
         self.n_frames += 1;
         self.silence = None;
+        self.ranges.take(frame);
         self.frame.get_or_insert_with(|| LiveFrame::new(frame.raw_ue.len())).copy_from(frame);
     }
 

@@ -1,6 +1,7 @@
 //! The virtual rig within the program: pressed from the page, by itself while nobody does.
 
-use std::sync::Arc;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
@@ -8,7 +9,7 @@ use hapdef::{Limb, Run, VirtualRigParams, live_limb, virtual_device};
 use hapdef_daq::source::{StreamParams, StreamSource, memory_link};
 use hapdef_rig::live::{
     LiveLimb, Play, PressHandle, Pressed, RandomScriptParams, RunParams, RunningRig, TrueContact,
-    random_script, spawn_rig,
+    TruthFrame, random_script, spawn_rig,
 };
 use nalgebra::Point3;
 
@@ -22,15 +23,22 @@ const SHARES: (f64, f64) = (0.15, 0.6);
 const REST: Duration = Duration::from_secs(4);
 /// From the click of a press until it begins: what pressed before lets go, no contact jumps.
 const LIFT: Duration = Duration::from_millis(150);
-/// Number of the contact that is pressed from the page.
+/// Number of the contact that the page's first finger presses.
 const BY_HAND: u32 = 1000;
+/// Frames of ground truth that the page can look back for: a quarter of a second at 1 kHz.
+const N_TRUTHS: usize = 256;
 
 /// The scene's virtual rig, running.
 pub(crate) struct Sim {
     limb: Arc<LiveLimb>,
     play: Play,
     rig: RunningRig,
+    truths: Truths,
 }
+
+/// What pressed the rig in its newest frames, shared with the rig's thread.
+#[derive(Clone, Default)]
+struct Truths(Arc<Mutex<VecDeque<TruthFrame>>>);
 
 impl Sim {
     /// Solves the virtual rig, or reads it where it was solved, and starts it untouched; with the
@@ -45,11 +53,33 @@ impl Sim {
         let params = RandomScriptParams::new(n, contact.min_spacing_m, range_n, seed);
         let play = Play::new(&random_script(&real, &params), &real)?;
         let (link, port) = memory_link();
-        let (tell, truth) = truth_line();
+        let (mut tell, truth) = truth_line();
+        let truths = Truths::default();
+        let kept = truths.clone();
+        let tell = move |frame: &TruthFrame| {
+            kept.keep(frame);
+            tell(frame);
+        };
         let rig = spawn_rig(device, port, RunParams::default(), tell)?;
-        let sim = Self { limb: real, play, rig };
+        let sim = Self { limb: real, play, rig, truths };
         let source = StreamSource::new(link, StreamParams::default());
         Ok(((Box::new(source), truth), sim))
+    }
+}
+
+impl Truths {
+    fn keep(&self, frame: &TruthFrame) {
+        let mut frames = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut place = if frames.len() == N_TRUTHS { frames.pop_front() } else { None };
+        place.get_or_insert_default().clone_from(frame);
+        frames.extend(place);
+    }
+
+    /// What pressed in the frame of that number; nothing where the frame is too old.
+    fn of(&self, seq: u32) -> Vec<TrueContact> {
+        let frames = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = frames.iter().rev().find(|frame| frame.seq == seq);
+        found.map_or_else(Vec::new, |frame| frame.contacts.clone())
     }
 }
 
@@ -57,8 +87,11 @@ impl Sim {
 pub(super) struct VirtualPress {
     sim: Sim,
     press: PressHandle,
-    by_hand: Option<Pressed>,
+    /// What each finger on the page presses.
+    by_hand: Vec<Pressed>,
     clicked: Instant,
+    /// It presses by itself while nobody does.
+    is_random: bool,
     rests_since: Option<Instant>,
     start: Option<Instant>,
     contacts: Vec<TrueContact>,
@@ -69,36 +102,57 @@ impl VirtualPress {
         Self {
             press: sim.rig.press_handle(),
             sim,
-            by_hand: None,
+            by_hand: Vec::new(),
             clicked: Instant::now(),
+            is_random: true,
             rests_since: None,
             start: None,
             contacts: Vec::new(),
         }
     }
 
-    /// Presses there until [`Self::release`].
-    pub(super) fn press(&mut self, point_m: [f64; 3], force_n: f64) {
-        if self.by_hand.is_none() {
+    /// A finger presses there until it is lifted.
+    pub(super) fn press(&mut self, finger: u32, point_m: [f64; 3], force_n: f64) {
+        if self.by_hand.is_empty() {
             self.clicked = Instant::now();
         }
-        self.by_hand = Some(Pressed::normal(BY_HAND, Point3::from(point_m), force_n));
+        let pressed = Pressed::normal(BY_HAND + finger, Point3::from(point_m), force_n);
+        match self.by_hand.iter_mut().find(|before| before.id == pressed.id) {
+            Some(before) => *before = pressed,
+            None => self.by_hand.push(pressed),
+        }
+    }
+
+    pub(super) fn lift(&mut self, finger: u32) {
+        self.by_hand.retain(|pressed| pressed.id != BY_HAND + finger);
+        self.rests_since = Some(Instant::now());
     }
 
     pub(super) fn release(&mut self) {
-        self.by_hand = None;
+        self.by_hand.clear();
         self.rests_since = Some(Instant::now());
+    }
+
+    /// Whether it presses by itself while nobody does.
+    pub(super) fn set_random(&mut self, is_random: bool) {
+        self.is_random = is_random;
+        self.rests_since = None;
+    }
+
+    /// What pressed in the rig's frame of that number.
+    pub(super) fn truth(&self, seq: u32) -> Vec<TrueContact> {
+        self.sim.truths.of(seq)
     }
 
     /// What presses now; nothing while it tares.
     pub(super) fn step(&mut self, is_tared: bool) {
         let rests = self.rests_since.is_some_and(|since| since.elapsed() < REST);
-        let pressed = match self.by_hand {
+        let pressed = match self.by_hand.as_slice() {
             _ if !is_tared => Vec::new(),
-            Some(_) if self.clicked.elapsed() < LIFT => Vec::new(),
-            Some(by_hand) => vec![by_hand],
-            None if rests => Vec::new(),
-            None => self.by_itself(),
+            [] if rests || !self.is_random => Vec::new(),
+            [] => self.by_itself(),
+            _ if self.clicked.elapsed() < LIFT => Vec::new(),
+            by_hand => by_hand.to_vec(),
         };
         self.press.set(pressed);
     }
@@ -114,5 +168,34 @@ impl VirtualPress {
             shear_n: contact.shear_n,
         };
         self.contacts.iter().map(pressed).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use hapdef_rig::live::SurfacePoint;
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    #[test]
+    fn the_newest_truths_are_found_by_the_number_of_their_frame() {
+        let truths = Truths::default();
+        let contact = TrueContact {
+            id: 0,
+            point: SurfacePoint { face: 0, bary: [1.0, 0.0, 0.0] },
+            position_m: Point3::origin(),
+            normal: Vector3::z(),
+            force_n: 1.0,
+            shear_n: Vector3::zeros(),
+        };
+        let n = 2 * N_TRUTHS as u32;
+        for seq in 0..n {
+            let contacts = vec![TrueContact { id: seq, ..contact }];
+            truths.keep(&TruthFrame { seq, contacts, ..TruthFrame::default() });
+        }
+        let id_of = |seq| truths.of(seq).first().map(|contact| contact.id);
+        assert_eq!([0, N_TRUTHS as u32 - 1, n].map(id_of), [None; 3]);
+        assert_eq!([N_TRUTHS as u32, n - 1].map(id_of), [Some(N_TRUTHS as u32), Some(n - 1)]);
     }
 }

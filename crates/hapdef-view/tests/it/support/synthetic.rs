@@ -87,6 +87,7 @@ pub fn show(picture: &LimbPicture, touches: &[Touch], t: f64, frame: &mut ViewFr
     frame.t_s = t;
     frame.phase = if touches.is_empty() { TouchPhase::Untouched } else { TouchPhase::Touched };
     frame.contacts = touches.iter().map(mark).collect();
+    frame.p_value = 0.4;
     let depth = |point: [f64; 3], normal: [f64; 3]| {
         let mut moved = [0.0; 3];
         for touch in touches {
@@ -126,6 +127,7 @@ pub fn mark(touch: &Touch) -> ContactMark {
             ..Contact::new(touch.point_m.into(), touch.force_n)
         },
         normal: touch.normal.into(),
+        force_range_n: None,
     }
 }
 
