@@ -43,6 +43,9 @@ const LIVE: [(&str, &str, &str); 3] = [
     ("live-phone", "390x844", "light"),
 ];
 
+/// The moving picture of the live page: its window and its length, s.
+const FILM: (&str, &str, &str) = ("live-moving", "960x620", "6");
+
 /// Waits for plots that are full and a press on the side that is seen, and stops there.
 const LIVE_SCRIPT: &str = "new Promise((done) => {
     const began = performance.now();
@@ -113,7 +116,7 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
             "no Chromium: `cargo xtask browser` installs one as root, or name one in HAPDEF_CHROMIUM"
         );
     }
-    let live = LIVE.iter().map(|(name, ..)| *name);
+    let live = LIVE.iter().map(|(name, ..)| *name).chain([FILM.0]);
     let known: Vec<&str> = SHOTS.iter().map(|shot| shot.name).chain(live).collect();
     if let Some(other) = args.names.iter().find(|name| !known.contains(&name.as_str())) {
         bail!("{other}: expected one of {}", known.join(", "));
@@ -134,13 +137,19 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
         take(&camera, &url, &file, &[size, "light", PAGE_S, &script])?;
     }
     let live: Vec<_> = LIVE.iter().filter(|(name, ..)| is_wanted(name)).collect();
-    if live.is_empty() {
+    if live.is_empty() && !is_wanted(FILM.0) {
         return Ok(());
     }
     let served = Served::start(None)?;
     for (name, size, colours) in live {
         let file = image(&folder, name);
         take(&camera, &served.url, &file, &[size, colours, "0", LIVE_SCRIPT])?;
+    }
+    let (name, size, seconds) = FILM;
+    if is_wanted(name) {
+        let script = format!("{LIVE_SCRIPT}.then(() => document.getElementById('pause').click())");
+        let camera = release_example("view_film")?;
+        take(&camera, &served.url, &image(&folder, name), &[size, seconds, &script])?;
     }
     Ok(())
 }

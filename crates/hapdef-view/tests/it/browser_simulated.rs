@@ -3,9 +3,12 @@
 //!
 //! Left out where there is no Chromium, as `browser.rs` says.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use hapdef_view::{ViewCommand, ViewFrame};
 use serde_json::json;
 
+use crate::support::film::{Still, film};
 use crate::support::look::{Look, look};
 use crate::support::synthetic::{self, Touch, on_limb};
 
@@ -240,4 +243,35 @@ fn an_exaggeration_comes_smoothly() {
         })",
         &json!([true, 100, true, true]),
     );
+}
+
+#[test]
+fn stills_make_a_moving_picture_that_a_browser_plays() {
+    let Some(mut look) = look((400, 300), true, "", beside) else {
+        return;
+    };
+    let stills = [120, 250].map(|for_ms| {
+        let webp = look.chrome.picture("webp").unwrap();
+        Still { webp, for_ms }
+    });
+    let moving = STANDARD.encode(film(&stills).unwrap());
+    let played = look.chrome.eval(&format!(
+        "(async () => {{
+            const data = Uint8Array.from(atob('{moving}'), (c) => c.charCodeAt(0));
+            const decoder = new ImageDecoder({{ data, type: 'image/webp' }});
+            await decoder.completed;
+            await decoder.tracks.ready;
+            const seen = [decoder.tracks.selectedTrack.frameCount];
+            for (let frameIndex = 0; frameIndex < seen[0]; frameIndex += 1) {{
+                const {{ image }} = await decoder.decode({{ frameIndex }});
+                seen.push(image.duration / 1000, image.displayWidth, image.displayHeight);
+            }}
+            return seen;
+        }})()"
+    ));
+    // A window as narrow as a phone has two pixels for each of CSS.
+    assert_eq!(played.unwrap(), json!([2, 120, 800, 600, 250, 800, 600]));
+    assert!(film(&[]).is_err());
+    let webp = look.chrome.picture("png").unwrap();
+    assert!(film(&[Still { webp, for_ms: 1 }]).is_err());
 }
