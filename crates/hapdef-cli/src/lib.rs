@@ -17,6 +17,6 @@ pub use exit::{exit_code, shown};
 pub use print::{
     JsonLines, StandardOutput, check_printed, is_end_of_reader, note_line, print_json, print_line,
 };
-pub use progress::on_stderr;
+pub use progress::{be_quiet, is_quiet, on_stderr};
 pub use signals::stop_on_signals;
 pub use training::{SampleArgs, TrainingArgs};

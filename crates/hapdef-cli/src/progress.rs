@@ -1,12 +1,32 @@
-//! Progress on the terminal: bars with the time left, plain lines where there is no terminal.
+//! Progress on the terminal: bars with the time left, plain lines where there is no terminal, nothing where
+//! that is wanted.
+
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use hapdef::{Bar, Display, Progress};
 use hapdef_contact::printable_lines;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-/// Progress on standard error.
+/// Whether results, warnings and errors are all that is printed.
+static IS_QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From here on no progress is shown.
+pub fn be_quiet() {
+    IS_QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether no progress is shown.
+#[must_use]
+pub fn is_quiet() -> bool {
+    IS_QUIET.load(Ordering::Relaxed)
+}
+
+/// Progress on standard error; none where quiet is wanted.
 #[must_use]
 pub fn on_stderr() -> Progress {
+    if is_quiet() {
+        return Progress::silent();
+    }
     Progress::on(Terminal { bars: MultiProgress::new() })
 }
 

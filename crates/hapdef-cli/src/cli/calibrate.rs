@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use hapdef::scene::GaugeEntry;
 use hapdef::touch::{CALIBRATION_SITES, Calibration, PressQuality, touchable_skin};
 use hapdef::{Limb, Run};
@@ -17,6 +17,10 @@ use super::table::{Row, read_table};
 
 /// Corrects the response by a table of presses and writes the result.
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
+    ensure!(
+        args.live.source().is_none() || !hapdef_cli::is_quiet(),
+        "--quiet: with --live it says where to press: leave out one of them"
+    );
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let (calibration, info) = match args.live.source() {

@@ -71,6 +71,9 @@ use hapdef_cli::{SampleArgs, SceneArgs, TrainingArgs};
 pub(crate) struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// No progress: results, warnings and errors alone.
+    #[arg(long, short, global = true)]
+    quiet: bool,
 }
 
 #[derive(Subcommand)]
@@ -189,6 +192,9 @@ struct TrainArgs {
 
 /// Does what the arguments say.
 pub(crate) fn run(cli: &Cli) -> Result<()> {
+    if cli.quiet {
+        hapdef_cli::be_quiet();
+    }
     match &cli.command {
         Command::Inspect(args) => inspect::inspect(args),
         Command::New(args) => new::run(args),

@@ -41,9 +41,6 @@ pub(crate) struct RecordArgs {
     /// Overwrite a recording of the same name, and what is left of one that was broken off.
     #[arg(long)]
     force: bool,
-    /// No line a second.
-    #[arg(long)]
-    quiet: bool,
 }
 
 pub(crate) fn run(args: &RecordArgs) -> Result<()> {
@@ -72,7 +69,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     let [for_file, for_us]: [Receiver; 2] =
         receivers.try_into().map_err(|_| anyhow::anyhow!("two receivers were asked for"))?;
     let recorder = record(for_file, out, params)?;
-    let mut watch = Watch::new(acquisition, for_us, args.quiet);
+    let mut watch = Watch::new(acquisition, for_us, hapdef_cli::is_quiet());
     while !stop.load(Ordering::Relaxed) && watch.goes_on(&recorder, args.seconds) {}
     let Watch { acquisition, link, n_restarts, n_exchanges, .. } = watch;
     let acquired = acquisition.stop();

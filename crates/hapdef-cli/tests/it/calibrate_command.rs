@@ -47,6 +47,12 @@ fn it_guides_presses_writes_the_table_and_calibrates_once() {
     let kept: Value = serde_json::from_slice(&std::fs::read(&result).unwrap()).unwrap();
     assert_eq!(kept["n_presses"], N_PRESSES);
 
+    // It tells people where to press: it can't be quiet.
+    let words = ["calibrate", "scene.json", "table.csv", "out.json", "--live", "virtual", "-q"];
+    let quiet = Command::new(env!("CARGO_BIN_EXE_hapdef")).args(words).output().unwrap();
+    assert_eq!(quiet.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&quiet.stderr).contains("where to press"));
+
     // A table of presses may be a robot's: it is never overwritten.
     let refused = calibrate(&scene, &table, &result);
     let words = String::from_utf8_lossy(&refused.stderr).into_owned();

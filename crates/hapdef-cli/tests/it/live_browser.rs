@@ -144,7 +144,7 @@ fn a_click_presses_the_limb_and_is_found_there() {
     look.chrome.wait_for(shown_right).unwrap();
     // The true place is that of the same sample: what is said to be off is what is.
     let off_m = "Math.hypot(...hapdefView.contacts[0].map((c, k) => c - hapdefView.truths[0][k]))";
-    let is_told =
+    let is_right =
         format!("hapdefView.truths.length === 1 && Math.abs(hapdefView.offs[0] - {off_m}) < 1e-9");
     look.chrome.wait_for(&is_right).unwrap();
     look.chrome.pointer("mouseReleased", at).unwrap();

@@ -115,6 +115,9 @@ fn from_an_stl_to_contacts() {
     assert!(text.lines().count() <= 17, "{text}");
     let checked = done(&["check", "bottle"], folder);
     assert!(checked.contains("bottle: ") && checked.contains("10 gauges"), "{checked}");
+    let quiet = hapdef(&["-q", "new", "bottle.stl", "--edge", "9", "--replace"], folder);
+    assert_eq!((quiet.status.code(), quiet.stderr.len()), (Some(0), 0));
+    assert_eq!(String::from_utf8_lossy(&quiet.stdout), said);
     let again = hapdef(&["new", "bottle.stl"], folder);
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("--replace"));
