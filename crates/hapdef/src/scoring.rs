@@ -39,6 +39,15 @@ pub struct OneToOne {
     pub spurious: Vec<usize>,
 }
 
+impl OneToOne {
+    /// Whether every contact has its match within `distance_m`.
+    #[must_use]
+    pub fn is_within(&self, distance_m: f64) -> bool {
+        let is_near = |pair: &ContactPair| pair.position_error_m <= distance_m;
+        self.missed.is_empty() && self.spurious.is_empty() && self.pairs.iter().all(is_near)
+    }
+}
+
 /// Why contacts could not be scored.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

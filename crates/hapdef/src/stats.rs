@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::scoring::ContactPair;
 
 /// A position error beyond this counts as a miss, m.
-pub(crate) const FAR_M: f64 = 0.010;
+pub const FAR_M: f64 = 0.010;
 
 /// Errors of the contacts that were found. Contacts that were not found have no error: `n_expected`
 /// tells how many there were. All errors are zero when `n` is 0.

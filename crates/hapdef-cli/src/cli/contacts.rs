@@ -10,12 +10,14 @@ use hapdef::touch::{Touch, given_loads, touch_estimator};
 use hapdef_cli::{SceneArgs, StandardOutput, TrainingArgs, shown};
 use serde_json::{Value, json};
 
+use super::contacts_truth::{self, TruthRequest};
 use super::table::read_table;
 use super::topic::TopicArgs;
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
-    hapdef contacts fixtures/shin/scene.json readings.csv --json\n\n\
+    hapdef contacts fixtures/shin/scene.json readings.csv --json\n  \
+    hapdef contacts fixtures/shin/scene.json presses.csv --truth presses.csv\n\n\
     The scene's estimator is used: superposition needs one solve for each gauge, the paper's chain \
     its trained nets.")]
 pub(crate) struct ContactsArgs {
@@ -28,7 +30,12 @@ pub(crate) struct ContactsArgs {
     readings: PathBuf,
     #[command(flatten)]
     topic: TopicArgs,
-    /// Print a frame a line as JSON.
+    /// Print only frames whose contacts are not those of this table, by cause: the search, a tie or the map's error.
+    /// It has names in its first line as hapdef probe writes it, x_m, y_m, z_m, force_n, x2_m and so on, m and N, and
+    /// a row for each frame; it may be the table of readings. A contact without force does not press.
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+    /// Print a frame a line as JSON; with --truth one object.
     #[arg(long)]
     json: bool,
 }
@@ -43,6 +50,11 @@ pub(crate) fn run(args: &ContactsArgs) -> Result<()> {
         shown(&args.readings)
     );
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
+    if let Some(truth) = &args.truth {
+        let (readings, topic) = (&args.readings, &args.topic);
+        let request = TruthRequest { readings, topic, truth, is_json: args.json };
+        return contacts_truth::run(&request, &run, &limb);
+    }
     let names: Vec<&str> = run.scene.gauges.sites.iter().map(|site| site.name.as_str()).collect();
     let frames = read_table(&args.readings, &args.topic, &[], &names)?;
     let mut estimator = touch_estimator(&run, &limb)?;

@@ -7,6 +7,7 @@ mod calibrate_args;
 mod calibrate_live;
 mod calibrate_words;
 mod contacts;
+mod contacts_truth;
 mod converge;
 mod deck;
 mod demo;

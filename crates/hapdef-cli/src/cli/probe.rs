@@ -10,6 +10,8 @@ use hapdef::Limb;
 use hapdef::touch::{ProbeParams, ProbedRig};
 use hapdef_cli::{SceneArgs, shown};
 
+use super::table::contact_columns;
+
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
     hapdef probe fixtures/shin/placed.json presses.csv --presses 300\n\n\
@@ -54,11 +56,7 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<()> {
 }
 
 fn header(n_contacts: usize, n_gauges: usize) -> String {
-    let contact = |i: usize| match i {
-        0 => "x_m,y_m,z_m,force_n".to_owned(),
-        _ => format!("x{0}_m,y{0}_m,z{0}_m,force{0}_n", i + 1),
-    };
-    let contacts = (0..n_contacts).map(contact);
+    let contacts = (0..n_contacts).flat_map(contact_columns);
     let names: Vec<String> = contacts.chain((0..n_gauges).map(|g| format!("g{g}_ue"))).collect();
     names.join(",") + "\n"
 }

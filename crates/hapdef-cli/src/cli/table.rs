@@ -48,14 +48,40 @@ pub(super) fn read_table(
     rows(&String::from_utf8_lossy(&bytes), leading, gauges).context(file)
 }
 
+/// Names of the columns of the contact number `i` from 0, in m and N, as `hapdef probe` writes them.
+pub(super) fn contact_columns(i: usize) -> [String; 4] {
+    let number = if i == 0 { String::new() } else { (i + 1).to_string() };
+    let at = |axis: char| format!("{axis}{number}_m");
+    [at('x'), at('y'), at('z'), format!("force{number}_n")]
+}
+
+/// How many contacts the first line of the table at `path` names.
+///
+/// # Errors
+/// A table that names none.
+pub(super) fn n_contacts(path: &Path) -> Result<usize> {
+    let file = shown(path);
+    let bytes = std::fs::read(path).with_context(|| format!("{file}: reading"))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let names =
+        lines(&text).next().map_or_else(Vec::new, |(_, line)| fields(line, separator(line)));
+    let is_named = |name: &String| names.iter().any(|found| found.eq_ignore_ascii_case(name));
+    let n = (0..).take_while(|&i| contact_columns(i).iter().all(is_named)).count();
+    ensure!(
+        n > 0,
+        "{file}: names of columns: expected {}, found {}",
+        contact_columns(0).join(", "),
+        names.join(", ")
+    );
+    Ok(n)
+}
+
 fn rows(text: &str, leading: &[&str], gauges: &[&str]) -> Result<Vec<Row>> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim_end()));
-    let mut lines = lines.filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'));
+    let mut lines = lines(text);
     let Some((first_line, first)) = lines.next() else {
         bail!("no row of numbers: the table is empty");
     };
-    let separator = [';', '\t'].into_iter().find(|s| first.contains(*s)).unwrap_or(',');
+    let separator = separator(first);
     let names = fields(first, separator);
     let is_header =
         names.iter().any(|field| !field.is_empty() && number(field, separator).is_none());
@@ -93,6 +119,18 @@ fn rows(text: &str, leading: &[&str], gauges: &[&str]) -> Result<Vec<Row>> {
     }
     ensure!(!rows.is_empty(), "no row of numbers: the table has names only");
     Ok(rows)
+}
+
+/// Lines that are neither empty nor comments, with their numbers from 1.
+fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim_end()));
+    lines.filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'))
+}
+
+/// What stands between the fields of a table with this line.
+fn separator(line: &str) -> char {
+    [';', '\t'].into_iter().find(|s| line.contains(*s)).unwrap_or(',')
 }
 
 /// The rows of a topic.
@@ -166,7 +204,7 @@ fn named_columns(names: &[&str], leading: &[&str], gauges: &[&str]) -> Result<Ve
     let as_probe_writes = of_gauges.len() == gauges.len()
         && of_gauges.iter().enumerate().all(|(i, name)| numbered(i, name));
     let has_gauge = wanted[leading.len()..].iter().any(|gauge| names.contains(gauge));
-    if as_probe_writes || (!has_gauge && names.len() == wanted.len()) {
+    if !gauges.is_empty() && (as_probe_writes || (!has_gauge && names.len() == wanted.len())) {
         return Ok((0..wanted.len()).collect());
     }
     let place = |name: &String| {

@@ -1,20 +1,20 @@
 //! `compare --diagnose`: why frames are not clean.
 
 use anyhow::Result;
+use hapdef::touch::{Causes, why_not_clean};
 use hapdef_bench::{Column, Metric, Named, Study, page_table, table};
-use hapdef_inverse::{ContactEstimate, SkinPoint};
 use hapdef_report::Report;
 use serde::Serialize;
 
 use super::cases::{Case, DIAGNOSED};
-use super::score::{Row, is_clean};
+use super::score::Row;
 use super::setup::Bench;
 use crate::run::facts;
 
 const NOTE: &str = "Each frame that is not clean (a contact farther than 10 mm from its match, missed or \
     spurious) by its cause. The true places are refined on the same readings. Search: the readings \
     prefer the truth, and it was not found. Tie: they can't decide between both. Map: they prefer what was \
-    found, by the map's error or the noise. The limit is odds of e^½ to 1, at which an answer is said to be \
+    found, by the map's error or the noise, or the true places refined end there. The limit is odds of e^½ to 1, at which an answer is said to be \
     tied.";
 
 /// Why the frames of a row are not clean.
@@ -22,21 +22,13 @@ const NOTE: &str = "Each frame that is not clean (a contact farther than 10 mm f
 struct Diagnosed {
     #[serde(flatten)]
     row: Row,
-    n_search: usize,
-    n_tie: usize,
-    n_map: usize,
+    #[serde(flatten)]
+    causes: Causes,
 }
 
 impl Named for Diagnosed {
     fn name(&self) -> &str {
         &self.row.name
-    }
-}
-
-impl Diagnosed {
-    fn search_pct(&self) -> f64 {
-        let n_bad = self.n_search + self.n_tie + self.n_map;
-        100.0 * self.n_search as f64 / n_bad.max(1) as f64
     }
 }
 
@@ -47,14 +39,14 @@ const COLUMNS: [Column<Diagnosed>; 8] = [
     Column::new("frames of", |r| r.row.name.clone()),
     Column::new("n", |r| r.row.errors.n_frames.to_string()),
     Column::new("clean", |r| format!("{:.1} %", r.row.errors.clean_pct)),
-    Column::new("search", |r| r.n_search.to_string()),
-    Column::new("tie", |r| r.n_tie.to_string()),
-    Column::new("map", |r| r.n_map.to_string()),
+    Column::new("search", |r| r.causes.n_search.to_string()),
+    Column::new("tie", |r| r.causes.n_tie.to_string()),
+    Column::new("map", |r| r.causes.n_map.to_string()),
     Column::new("p50, ms", |r| format!("{:.2}", r.row.p50_us / 1e3)),
     Column::new("p99, ms", |r| format!("{:.2}", r.row.p99_us / 1e3)),
 ];
 
-const METRICS: [Metric<Vec<Diagnosed>>; 8] = [
+const METRICS: [Metric<Vec<Diagnosed>>; 10] = [
     clean("compare.quadruple16_clean_pct", "quadruple, 16 gauges, count given"),
     clean("compare.triple16_clean_pct", "triple, 16 gauges, count given"),
     clean("compare.triple10_clean_pct", "triple, 10 gauges, count given"),
@@ -72,7 +64,7 @@ const METRICS: [Metric<Vec<Diagnosed>>; 8] = [
     Metric::all(
         "compare.search_failures_pct",
         "%",
-        |rows| rows.iter().map(Diagnosed::search_pct).reduce(f64::max),
+        |rows| rows.iter().map(|row| row.causes.search_pct()).reduce(f64::max),
         "no frames",
     ),
     Metric::row(
@@ -81,6 +73,10 @@ const METRICS: [Metric<Vec<Diagnosed>>; 8] = [
         "quadruple, 16 gauges, count given",
         |r: &Diagnosed| r.row.p50_us,
     ),
+    Metric::row("compare.cold_pair_p50_us", "µs", "double", |r: &Diagnosed| r.row.p50_us),
+    Metric::row("compare.cold_pair_beyond10_pct", "%", "double", |r: &Diagnosed| {
+        100.0 - r.row.errors.within10_pct
+    }),
 ];
 
 const fn clean(name: &'static str, row: &'static str) -> Metric<Vec<Diagnosed>> {
@@ -102,22 +98,11 @@ pub(super) fn diagnose(bench: &mut Bench<'_>) -> Result<()> {
 }
 
 fn diagnosed(bench: &mut Bench<'_>, case: &Case) -> Result<Diagnosed> {
-    let (mut n_search, mut n_tie, mut n_map) = (0, 0, 0);
-    let mut of_truth = ContactEstimate::default();
+    let mut causes = Causes::default();
     let scored = bench.found(case, |estimator, readings, frame, estimate| {
-        if is_clean(estimator.map().skin(), frame, estimate)? {
-            return Ok(());
-        }
-        let places: Vec<SkinPoint> = frame.contacts.iter().map(|c| c.point).collect();
-        estimator.refine_into(readings, &places, &mut estimator.scratch(), &mut of_truth)?;
-        let tie = estimator.params().tie_delta;
-        let cause = match estimate.cost - of_truth.cost {
-            behind if behind > tie => &mut n_search,
-            behind if behind >= -tie => &mut n_tie,
-            _ => &mut n_map,
-        };
-        *cause += 1;
+        let truth: Vec<_> = frame.contacts.iter().map(|c| (c.point, c.force_n)).collect();
+        causes.add(why_not_clean(estimator, readings, &truth, estimate)?.as_ref());
         Ok(())
     })?;
-    Ok(Diagnosed { row: scored.row(case.name), n_search, n_tie, n_map })
+    Ok(Diagnosed { row: scored.row(case.name), causes })
 }

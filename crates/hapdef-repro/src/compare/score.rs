@@ -1,7 +1,7 @@
 //! Errors of many frames in one row.
 
 use anyhow::Result;
-use hapdef::{ContactPair, MAX_ONE_TO_ONE, ScoredContact, gospa, score_one_to_one};
+use hapdef::{ContactPair, FAR_M, MAX_ONE_TO_ONE, ScoredContact, gospa, score_one_to_one};
 use hapdef_bench::Named;
 use hapdef_bench::stats::{mean, quantile, sorted};
 use hapdef_inverse::{CHI2_95, ContactEstimate, Skin, Verdict};
@@ -9,9 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use super::world::Frame;
 use crate::run::scores::GOSPA;
-
-/// A contact farther from its match than this is not found, m.
-const FOUND_M: f64 = 0.010;
 
 /// Points of a row's curve.
 const N_CURVE: usize = 100;
@@ -99,8 +96,6 @@ impl Score {
             .collect();
         let kept = &found[..found.len().min(MAX_ONE_TO_ONE)];
         let matched = score_one_to_one(kept, &truth)?;
-        let near = |p: &&ContactPair| p.position_error_m <= FOUND_M;
-        let n_near = matched.pairs.iter().filter(near).count();
         let beyond_kept_m = (found.len() - kept.len()) as f64 * GOSPA.cutoff_m / 2.0;
         self.gospa_m += gospa(kept, &truth, &GOSPA)?.total_m + beyond_kept_m;
         self.n_frames += 1;
@@ -108,7 +103,7 @@ impl Score {
         self.n_missed += matched.missed.len();
         self.n_spurious += matched.spurious.len() + found.len() - kept.len();
         self.n_count_right += usize::from(found.len() == truth.len());
-        self.n_clean += usize::from(n_near == truth.len() && found.len() == truth.len());
+        self.n_clean += usize::from(matched.is_within(FAR_M) && kept.len() == found.len());
         self.times_us.push(time_us);
         self.pairs.extend(&matched.pairs);
         Ok(matched.pairs)
@@ -140,7 +135,7 @@ impl Score {
     /// The row's numbers.
     pub(crate) fn row(&self, name: &str) -> Row {
         let mm: Vec<f64> = sorted(self.pairs.iter().map(|p| p.position_error_m * 1e3));
-        let near = self.pairs.iter().filter(|p| p.position_error_m <= FOUND_M);
+        let near = self.pairs.iter().filter(|p| p.position_error_m <= FAR_M);
         let times = sorted(self.times_us.iter().copied());
         let share = |n: usize, of: usize| n as f64 / of.max(1) as f64 * 100.0;
         Row {
@@ -169,13 +164,6 @@ impl Score {
                 .collect(),
         }
     }
-}
-
-/// Whether all contacts of a frame are within 10 mm, and no other is reported.
-pub(super) fn is_clean(skin: &Skin, frame: &Frame, estimate: &ContactEstimate) -> Result<bool> {
-    let mut score = Score::default();
-    score.add_estimate(skin, frame, estimate, 0.0)?;
-    Ok(score.n_clean == 1)
 }
 
 #[cfg(test)]

@@ -53,8 +53,12 @@ pub fn tracker_params(scene: &Scene) -> TrackerParams {
     TrackerParams { max_contacts: scene.contact.max_contacts, ..TrackerParams::default() }
 }
 
-/// The estimator by superposition on the limb's map, solved or from the scene's calibration.
-pub(crate) fn by_superposition(run: &Run, limb: &Limb) -> Result<ContactEstimator, HapdefError> {
+/// The estimator by superposition on the limb's map, solved or from the scene's calibration, with the scene's
+/// settings, or the defaults where the scene chooses another estimator.
+///
+/// # Errors
+/// As [`touch_estimator`].
+pub fn by_superposition(run: &Run, limb: &Limb) -> Result<ContactEstimator, HapdefError> {
     let spec = run.scene.estimator.superposition();
     let (estimator, loads) = match &spec.calibration {
         Some(path) => {

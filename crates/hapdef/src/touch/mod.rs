@@ -4,6 +4,7 @@
 mod bundle;
 mod calibration;
 mod chosen;
+mod diagnosis;
 mod fine;
 mod glued;
 mod layout;
@@ -24,8 +25,10 @@ mod superposition;
 pub use bundle::{BundleRequest, calibration_in_use, make_bundle};
 pub(crate) use calibration::N_STIFFNESS;
 pub use calibration::{CALIBRATION_SITES, Calibration, PressQuality};
-pub(crate) use chosen::by_superposition;
-pub use chosen::{ChainStages, chain_stages, live_estimator, touch_estimator, tracker_params};
+pub use chosen::{
+    ChainStages, by_superposition, chain_stages, live_estimator, touch_estimator, tracker_params,
+};
+pub use diagnosis::{Cause, Causes, NotClean, why_not_clean};
 pub use hapdef_live::estimator::{
     EstimatorKind, PaperChain, SearchPlace, Superposition, TouchEstimator, TouchFrame, TouchWanted,
     Tracking,
