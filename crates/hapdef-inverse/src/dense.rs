@@ -36,6 +36,38 @@ pub(crate) fn solve_lower(l: &[f64], n: usize, x: &mut [f64]) {
     }
 }
 
+/// The columns of the lower `l` `[n, n]` below its diagonal, each padded to `width`, into `columns` `[n, width]`, and
+/// one over its diagonal into `inverses` `[n]`, for [`solve_columns`].
+pub(crate) fn set_columns(
+    l: &[f64],
+    n: usize,
+    width: usize,
+    columns: &mut [f64],
+    inverses: &mut [f64],
+) {
+    columns.fill(0.0);
+    for k in 0..n {
+        inverses[k] = 1.0 / l[k * n + k];
+        for i in k + 1..n {
+            columns[k * width + i] = l[i * n + k];
+        }
+    }
+}
+
+/// x ← L⁻¹ x for `K` right-hand sides at once, `x` `[K, width]` with L by [`set_columns`]: sums go along whole
+/// columns, so that none waits for the one before as in [`solve_lower`].
+pub(crate) fn solve_columns<const K: usize>(columns: &[f64], inverses: &[f64], x: &mut [f64]) {
+    let width = x.len() / K;
+    for (k, (column, inverse)) in columns.chunks_exact(width).zip(inverses).enumerate() {
+        let first = k / 4 * 4;
+        for x in x.chunks_exact_mut(width) {
+            x[k] *= inverse;
+            let solved = x[k];
+            add_scaled(&mut x[first..], -solved, &column[first..]);
+        }
+    }
+}
+
 /// x ← L⁻ᵀ x.
 pub(crate) fn solve_upper(l: &[f64], n: usize, x: &mut [f64]) {
     for i in (0..n).rev() {

@@ -60,7 +60,10 @@ impl ContactEstimator {
     }
 
     fn is_any_good(&self, n: usize, scratch: &EstimatorScratch) -> bool {
-        let p = self.wanted_p(n);
+        self.is_any_as_good(n, self.wanted_p(n), scratch)
+    }
+
+    fn is_any_as_good(&self, n: usize, p: f64, scratch: &EstimatorScratch) -> bool {
         scratch.found.iter().any(|e| e.n == n && self.is_good(e, p))
     }
 
@@ -74,8 +77,12 @@ impl ContactEstimator {
         self.bases(n, N_FEW, scratch);
         info.n_scanned += grow(&self.model, N_FEW, 1, scratch);
         self.refine(n, scratch, info);
-        if self.is_asked(n) && !self.is_any_good(n, scratch) {
-            self.exchange(n, N_FEW, self.wanted_p(n), scratch, info);
+        // Of 600 frames of four contacts on sixteen gauges 4 % ended in a set with a residual of p from 0.01 to 0.3,
+        // good enough to be taken, where the truth had a much better one: so the few starts are exchanged until a
+        // residual is as likely as not.
+        let p = self.wanted_p(n).max(self.params.settle_p);
+        if self.is_asked(n) && !self.is_any_as_good(n, p, scratch) {
+            self.exchange(n, N_FEW, p, scratch, info);
         }
     }
 

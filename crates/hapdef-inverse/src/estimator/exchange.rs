@@ -9,8 +9,10 @@ use crate::estimator::{ContactEstimator, EstimatorScratch};
 /// Times at most that all pairs are gone round.
 const MAX_ROUNDS: usize = 4;
 
-/// Pairs that are refined of each scan.
-const N_PAIRS: usize = 4;
+/// Pairs that are refined of each scan. The scan ranks pairs as if they were at sites, and half a site's spacing of a
+/// strong contact is more χ² than a wrong pair: with 4 instead of 16 another 1.7 % of 600 frames of four
+/// contacts on sixteen gauges were not clean; 32 find another 0.5 % and make the slowest frames a tenth slower.
+const N_PAIRS: usize = 16;
 
 /// An exchange has to lower −2 ln likelihood by this.
 const LEAST_GAIN: f64 = 1.0;

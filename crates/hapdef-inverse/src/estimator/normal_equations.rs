@@ -3,7 +3,7 @@
 use hapdef_contact::MAX_CONTACTS;
 use nalgebra::Vector3;
 
-use crate::dense::{add_scaled, dot, log_det, solve_lower};
+use crate::dense::{add_scaled, dot, log_det, set_columns, solve_columns, solve_lower};
 use crate::estimator::Model;
 use crate::estimator::explanation::Explanation;
 use crate::estimator::forces::non_negative;
@@ -25,6 +25,9 @@ pub(crate) struct Linear {
     r: Vec<f64>,
     /// L_S `[m, m]`.
     s: Vec<f64>,
+    /// L_S by columns `[m, width]`, and one over its diagonal `[m]`.
+    columns: Vec<f64>,
+    inverses: Vec<f64>,
     pub(crate) tangents: [[Vector3<f64>; 2]; MAX_CONTACTS],
     /// JᵀJ `[3 n, 3 n]`.
     pub(crate) a: [f64; MAX_UNKNOWNS * MAX_UNKNOWNS],
@@ -41,6 +44,8 @@ impl Linear {
             rows: vec![0.0; MAX_UNKNOWNS * model.width],
             r: zeros,
             s: vec![0.0; model.m * model.m],
+            columns: vec![0.0; model.m * model.width],
+            inverses: vec![0.0; model.m],
             tangents: [[Vector3::zeros(); 2]; MAX_CONTACTS],
             a: [0.0; MAX_UNKNOWNS * MAX_UNKNOWNS],
             b: [0.0; MAX_UNKNOWNS],
@@ -62,6 +67,7 @@ impl Linear {
         }
         e.log_det_s = log_det(&self.s, m);
         solve_lower(&self.s, m, &mut self.z_s[..m]);
+        set_columns(&self.s, m, model.width, &mut self.columns, &mut self.inverses);
     }
 
     /// Forces, residual and χ² at the points of `e`.
@@ -100,9 +106,9 @@ impl Linear {
         let all = [&weights.slope[0], &weights.slope[1], &weights.value];
         for (row, weights) in rows.chunks_exact_mut(width).zip(all) {
             model.interpolant().combine(model.rows(), point, weights, row);
-            if model.base.is_some() {
-                solve_lower(&self.s, model.m, &mut row[..model.m]);
-            }
+        }
+        if model.base.is_some() {
+            solve_columns::<3>(&self.columns, &self.inverses, rows);
         }
     }
 

@@ -53,7 +53,7 @@ pub(super) const COLUMNS: [Column<Row>; 15] = [
 ];
 
 /// What is printed as METRIC lines.
-pub(super) const METRICS: [Metric<Measured>; 18] = [
+pub(super) const METRICS: [Metric<Measured>; 19] = [
     Metric::row("compare.single_mean_mm", "mm", "single", |r: &Row| r.errors.mean_mm),
     Metric::row("compare.single_median_mm", "mm", "single", |r: &Row| r.errors.median_mm),
     Metric::row("compare.single_mean_n", "N", "single", |r: &Row| r.errors.mean_n),
@@ -68,6 +68,12 @@ pub(super) const METRICS: [Metric<Measured>; 18] = [
     Metric::row("compare.sequential4_mean_mm", "mm", ARRIVING, |r: &Row| r.errors.mean_mm),
     Metric::row("compare.sequential4_mean_n", "N", ARRIVING, |r: &Row| r.errors.mean_n),
     Metric::row("compare.sequential4_found_pct", "%", ARRIVING, |r: &Row| r.errors.within10_pct),
+    Metric::row(
+        "compare.pair_beside_two_clean_pct",
+        "%",
+        "four arriving, two at once",
+        |r: &Row| r.errors.clean_pct,
+    ),
     Metric {
         absent: "no frame was sure",
         ..Metric::row("compare.coverage95_pct", "%", MANY, coverage95_pct)
