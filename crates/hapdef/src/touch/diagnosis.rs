@@ -196,11 +196,6 @@ mod tests {
         assert_eq!(mapped.cause, Cause::Map);
         assert!(mapped.behind < -100.0, "{mapped:?}");
 
-        // What was found is refined again from a place 12 mm away.
-        let [(_, force_n), other] = truth;
-        let moved = why(&[(on(0.021, 0.028), force_n), other], &found).unwrap().unwrap();
-        assert!(moved.cause == Cause::Map && moved.behind.abs() < 1e-3, "{moved:?}");
-
         let mut causes = Causes::default();
         [None, Some(&searched), Some(&mapped)].into_iter().for_each(|frame| causes.add(frame));
         assert_eq!((causes.n_clean, causes.n_bad(), causes.search_pct()), (1, 2, 50.0));
