@@ -7,11 +7,13 @@ use hapdef_live::{LiveFrame, TouchPhase, UnknownReason};
 use hapdef_rig::live::TrueContact;
 use nalgebra::Point3;
 
+use crate::causes::{Causes, Diagnosis};
+
 /// A contact that is reported this near to a press is it, m.
-const NEAR_M: f64 = 0.015;
+pub(crate) const NEAR_M: f64 = 0.015;
 
 /// A press has begun, or is over, at this force, N: it is born with more, and let go below it.
-const BEGUN_N: f64 = 0.5;
+pub(crate) const BEGUN_N: f64 = 0.5;
 
 /// Presses that are gone sooner than this are hits, whose lag is not asked, ms.
 const LEAST_MS: u64 = 200;
@@ -33,6 +35,8 @@ pub(crate) struct Seen {
     pub(crate) off_mm: Samples,
     /// Contacts that are reported of more than a press begins with, and farther than one is taken for from any.
     n_ghosts: u64,
+    /// Why frames are misfits.
+    pub(crate) causes: Causes,
 }
 
 /// Numbers; the lag of what never ended is infinite.
@@ -45,6 +49,7 @@ pub(crate) struct Judge {
     seen: Seen,
     misfit_ms: u64,
     presses: Vec<Press>,
+    diagnosis: Diagnosis,
 }
 
 /// A press that is there, or whose end is waited for.
@@ -59,7 +64,8 @@ struct Press {
 
 impl Judge {
     pub(crate) fn new(range_n: f64) -> Self {
-        Self { range_n, seen: Seen::default(), misfit_ms: 0, presses: Vec::new() }
+        let (seen, diagnosis) = (Seen::default(), Diagnosis::default());
+        Self { range_n, seen, misfit_ms: 0, presses: Vec::new(), diagnosis }
     }
 
     /// Takes a frame and what presses in it.
@@ -75,6 +81,7 @@ impl Judge {
         seen.n_misfit += u64::from(is_misfit);
         self.misfit_ms = if is_misfit { self.misfit_ms + 1 } else { 0 };
         seen.longest_misfit_ms = seen.longest_misfit_ms.max(self.misfit_ms);
+        self.diagnosis.take(seen.n_frames, pressed, frame, is_misfit);
         let strong =
             frame.known_contacts().unwrap_or_default().iter().filter(|c| c.force_n > BEGUN_N);
         for contact in strong {
@@ -137,6 +144,7 @@ impl Judge {
     /// All that was seen; what should be gone by now and is reported was never let go.
     pub(crate) fn end(&mut self) -> Seen {
         let mut seen = std::mem::take(&mut self.seen);
+        seen.causes = self.diagnosis.end();
         let now_ms = seen.n_frames;
         let is_stuck = |press: &&Press| press.over_ms.is_some_and(|over| now_ms > over + 1000);
         let n_stuck = self.presses.iter().filter(is_stuck).count();
@@ -157,6 +165,7 @@ impl Seen {
         self.let_go_ms.0.extend(more.let_go_ms.0);
         self.off_mm.0.extend(more.off_mm.0);
         self.n_ghosts += more.n_ghosts;
+        self.causes.add(&more.causes);
     }
 
     /// Share of the contacts reported that are none, %.

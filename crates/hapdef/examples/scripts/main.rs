@@ -10,6 +10,7 @@
     reason = "a measurement that prints, and ends where something is not as it has to be"
 )]
 
+mod causes;
 mod judge;
 #[path = "../../../hapdef-daq/examples/soak/metrics.rs"]
 mod metrics;
@@ -71,6 +72,7 @@ fn main() {
     for limb in &limbs {
         let seen = pressed(limb, &args);
         println!("{}, {} scripts of {} s: {seen}", limb.name(), args.scripts, args.seconds);
+        print!("{}", seen.causes);
         worst_pct = worst_pct.max(seen.misfit_pct());
         all.add(seen);
     }
