@@ -5,7 +5,11 @@ use std::fmt::{self, Display, Formatter};
 use hapdef_live::{Contact, LiveFrame};
 use hapdef_rig::live::TrueContact;
 
-use crate::judge::{BEGUN_N, NEAR_M};
+/// A contact that is reported this near to a press is it, m.
+pub(crate) const NEAR_M: f64 = 0.015;
+
+/// A press has begun, or is over, at this force, N: it is born with more, and let go below it.
+pub(crate) const BEGUN_N: f64 = 0.5;
 
 /// A press that began less than this ago may still be looked for, ms: two decisions of a detection window.
 const NEW_MS: u64 = 8;

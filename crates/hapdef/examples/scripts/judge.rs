@@ -7,13 +7,7 @@ use hapdef_live::{LiveFrame, TouchPhase, UnknownReason};
 use hapdef_rig::live::TrueContact;
 use nalgebra::Point3;
 
-use crate::causes::{Causes, Diagnosis};
-
-/// A contact that is reported this near to a press is it, m.
-pub(crate) const NEAR_M: f64 = 0.015;
-
-/// A press has begun, or is over, at this force, N: it is born with more, and let go below it.
-pub(crate) const BEGUN_N: f64 = 0.5;
+use crate::causes::{BEGUN_N, Causes, Diagnosis, NEAR_M};
 
 /// Presses that are gone sooner than this are hits, whose lag is not asked, ms.
 const LEAST_MS: u64 = 200;

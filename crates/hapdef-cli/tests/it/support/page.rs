@@ -12,9 +12,9 @@ use tungstenite::{Message, WebSocket};
 /// Longest wait for anything; the first run solves the virtual rig.
 const PATIENCE: Duration = Duration::from_secs(240);
 /// Bytes of a contact.
-const MARK_LEN: usize = 72;
+const MARK_LEN: usize = 80;
 /// Bytes of a frame before its readings.
-const HEADER_LEN: usize = 72;
+const HEADER_LEN: usize = 76;
 
 /// The page's token; its program says it in the page's address.
 const TOKEN: &str = "00112233445566778899aabbccddeeff";
@@ -235,7 +235,8 @@ impl Frame {
     fn read(bytes: &[u8]) -> Self {
         assert_eq!(bytes[0], 2);
         let n_gauges = usize::from(bytes[16]) + 256 * usize::from(bytes[17]);
-        let first = HEADER_LEN + 4 * n_gauges + n_gauges.next_multiple_of(4);
+        // Readings, their ranges, states.
+        let first = HEADER_LEN + 12 * n_gauges + n_gauges.next_multiple_of(4);
         let contact = |i: usize| {
             let at = first + MARK_LEN * i;
             let vector = |at: usize| [0, 1, 2].map(|k| f32_at(bytes, at + 4 * k));
