@@ -46,6 +46,9 @@ const LIVE: [(&str, &str, &str); 3] = [
 /// The moving picture of the live page: its window and its length, s.
 const FILM: (&str, &str, &str) = ("live-moving", "960x620", "6");
 
+/// Waits until what is shown has been so for a while.
+const FILM_SCRIPT: &str = "new Promise((done) => setTimeout(() => done('seen enough'), 20000))";
+
 /// Waits for plots that are full and a press on the side that is seen, and stops there.
 const LIVE_SCRIPT: &str = "new Promise((done) => {
     const began = performance.now();
@@ -147,9 +150,8 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
     }
     let (name, size, seconds) = FILM;
     if is_wanted(name) {
-        let script = format!("{LIVE_SCRIPT}.then(() => document.getElementById('pause').click())");
         let camera = release_example("view_film")?;
-        take(&camera, &served.url, &image(&folder, name), &[size, seconds, &script])?;
+        take(&camera, &served.url, &image(&folder, name), &[size, seconds, FILM_SCRIPT])?;
     }
     Ok(())
 }
