@@ -54,7 +54,7 @@ pub(super) struct TruthRequest<'a> {
 pub(super) fn run(request: &TruthRequest<'_>, run: &Run, limb: &Limb) -> Result<()> {
     ensure!(
         run.scene.estimator.kind() != EstimatorKind::Hapdefx,
-        "--truth: causes are told by evidence, which the paper's chain has none of; expected a scene whose \
+        "--truth: causes are found by evidence, which the paper's chain has none of; expected a scene whose \
          estimator is superposition or tracking"
     );
     let frames = read(request, run)?;
@@ -81,12 +81,12 @@ pub(super) fn run(request: &TruthRequest<'_>, run: &Run, limb: &Limb) -> Result<
 fn print(all_bad: &[Bad], causes: &Causes, is_json: bool) -> Result<()> {
     if is_json {
         #[derive(Serialize)]
-        struct Told<'a> {
+        struct Report<'a> {
             #[serde(flatten)]
             causes: &'a Causes,
             not_clean: &'a [Bad],
         }
-        print_json(&Told { causes, not_clean: all_bad }, false)?;
+        print_json(&Report { causes, not_clean: all_bad }, false)?;
         return Ok(());
     }
     if !all_bad.is_empty() {
