@@ -196,6 +196,12 @@ mod tests {
         assert_eq!(mapped.cause, Cause::Map);
         assert!(mapped.behind < -100.0, "{mapped:?}");
 
+        // True places 12 mm off refine to where the contacts were found: the readings are of those.
+        let moved = [(on(0.045, 0.028), 20.0), truth[1]];
+        let same = why(&moved, &found).unwrap().unwrap();
+        assert_eq!(same.cause, Cause::Map);
+        assert!(same.behind.abs() < 0.1, "{same:?}");
+
         let mut causes = Causes::default();
         [None, Some(&searched), Some(&mapped)].into_iter().for_each(|frame| causes.add(frame));
         assert_eq!((causes.n_clean, causes.n_bad(), causes.search_pct()), (1, 2, 50.0));
