@@ -210,7 +210,7 @@ function show(chosen, now) {
   byId("legend").hidden = chosen.components === 0;
   legend.setRange(view.limb.range);
   controls.showExaggeration(view.limb.drawnExaggeration);
-  panel.show(chosen, recent, now, stage.right);
+  panel.show(chosen, recent, now, view.found, stage.right);
   byId("stage").classList.toggle("unknown", chosen.phase === "unknown");
   view.shown = chosen;
   stage.stale = true;
@@ -344,7 +344,7 @@ globalThis.hapdefView = {
   get ellipses() { return (view.marks?.arrows ?? []).filter((arrow) => arrow.group.visible && arrow.ellipse.visible).length; },
   /** True contacts that are shown, and how far off each contact is, m. */
   get truths() { return (view.shown?.truths ?? []).map((mark) => Array.from(mark.position)); },
-  get offs() { return (view.found ?? []).map((found) => found?.off ?? null); },
+  get offs() { return view.found.map((found) => found?.off ?? null); },
   get pressing() { return press.fingers.filter((held) => held !== undefined).length; },
   get ghosts() { return view.marks?.nGhosts ?? 0; },
   get newest() { return history.last?.t ?? NaN; },

@@ -3,7 +3,7 @@
 import { contactColour, mapColour, roundUp } from "./colour.js";
 import { Plot, SPAN_S } from "./plot.js";
 import { element, keep, put } from "./text.js";
-import { matches, millimetres } from "./truth.js";
+import { millimetres } from "./truth.js";
 import { drawZoom, makeZoom } from "./zoom.js";
 
 const STATES = ["", "saturated", "dead", "out"];
@@ -65,15 +65,16 @@ export class Panel {
     this.onlook();
   }
 
-  /** Shows a frame; `recent` are the frames of the last ten seconds, `right` is where the screen's right points. */
-  show(frame, recent, now, right) {
+  /** Shows a frame; `recent` are the frames of the last ten seconds, `found` are the contacts' true ones, `right` is
+   * where the screen's right points. */
+  show(frame, recent, now, found, right) {
     if (now - this.plotAt >= PLOT_MS) {
       this.plotAt = now;
       this.draw(frame, recent);
     }
     if (now - this.textAt < TEXT_MS) return;
     this.textAt = now;
-    this.showContacts(frame, right);
+    this.showContacts(frame, found, right);
     this.showGauges(frame);
   }
 
@@ -94,8 +95,7 @@ export class Panel {
     this.strains.draw(frame.t, lines, true);
   }
 
-  showContacts({ contacts, others, truths, phase, why, stale }, right) {
-    const found = matches(contacts, truths);
+  showContacts({ contacts, others, truths, phase, why, stale }, found, right) {
     const marks = [...contacts.map((mark, i) => ({ mark, other: false, found: found[i], right })), ...others.map((mark) => ({ mark, other: true, found: null, right }))];
     this.byId("truth-key").hidden = truths.length === 0;
     this.byId("no-contacts").hidden = marks.length > 0;
@@ -112,7 +112,7 @@ export class Panel {
 
   /** Before there is a frame. */
   wait() {
-    this.showContacts({ contacts: [], others: [], truths: [] }, [1, 0, 0]);
+    this.showContacts({ contacts: [], others: [], truths: [] }, [], [1, 0, 0]);
     this.showNoContacts(this.fault || "Waiting for readings");
   }
 
