@@ -14,10 +14,15 @@ use crate::{
 use anyhow::{Context, Result, bail};
 
 /// Features that the programs are built without, which clippy and the docs cover, too.
-const LEFT_OUT: [&str; 2] = ["foxglove", "zenoh"];
+const LEFT_OUT: [&str; 3] = ["candle", "foxglove", "zenoh"];
 
-/// Crates that are not checked alone: nothing stands on xtask, and the wheel is hapdef-py alone.
-const NOT_ALONE: [&str; 2] = ["xtask", "hapdef-py"];
+/// Packages whose tests need them, and what is in the names of those tests.
+const NEED_LEFT_OUT: [(&str, &str); 3] =
+    [("hapdef-nets", "candle"), ("hapdef-ros", "foxglove"), ("hapdef-ros", "zenoh")];
+
+/// Crates that are not checked alone: nothing stands on xtask, the wheel is hapdef-py alone, and
+/// workspace-hack is a manifest.
+const NOT_ALONE: [&str; 3] = ["xtask", "hapdef-py", "workspace-hack"];
 
 /// Arguments of `ci`.
 #[derive(clap::Args)]
@@ -53,14 +58,15 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
         || {
             steps.run("clippy", clippy)?;
             steps.run("docs", rustdoc)?;
-            steps
-                .run("build of the network servers", || run_quietly(&mut servers(&["--no-run"])))?;
+            let build = || run_quietly(&mut tests_of_features(&["--no-run"]));
+            steps.run("build with optional features", build)?;
             // It waits for Cargo until the tests are built.
             steps.run("build of the wheel", python::build_wheel)
         },
     )?;
     steps.run("tests that claim a time", || tests.timed())?;
-    steps.run("tests of network servers", || run(&mut servers(&["--", "foxglove", "zenoh"])))?;
+    let with_features = || run(&mut tests_of_features(&[&["--"], &LEFT_OUT[..]].concat()));
+    steps.run("tests of optional features", with_features)?;
     steps.run("soak --short", || soak::of_ci(true))?;
     steps.run("demo --live", first_minute::check)?;
     let commands = &docs::Commands::of_docs()?;
@@ -133,10 +139,12 @@ fn features_left_out() -> Result<String> {
     Ok(found.join(","))
 }
 
-/// The tests of hapdef-ros with the servers that a plain build leaves out.
-fn servers(words: &[&str]) -> Command {
-    let mut command = cargo(&["test", "--package", "hapdef-ros", "--features"]);
-    command.args([&LEFT_OUT.join(","), "--lib", "--test", "it"]);
+/// The tests of what a plain build leaves out.
+fn tests_of_features(words: &[&str]) -> Command {
+    let mut command = cargo(&["test", "--lib", "--test", "it"]);
+    for (package, feature) in NEED_LEFT_OUT {
+        command.args(["--package", package, "--features", &format!("{package}/{feature}")]);
+    }
     without_debug(command.args(words));
     command
 }

@@ -2,6 +2,7 @@
 
 mod build;
 mod layers;
+mod shared;
 mod table;
 
 use std::fs;
@@ -62,6 +63,7 @@ pub(crate) fn run(args: &WeightArgs) -> Result<()> {
     let mut rows = counted()?;
     check_robot(&rows)?;
     if args.check {
+        shared::check()?;
         check(&rows)?;
     }
     for i in 0..rows.len() {
@@ -80,8 +82,10 @@ pub(crate) fn run(args: &WeightArgs) -> Result<()> {
     Ok(())
 }
 
-/// What CI checks: the crates of every layer, the robot's limit, and the bytes of the lightest layer.
+/// What CI checks: nothing is compiled twice, the crates of every layer, the robot's limit, and the bytes of the
+/// lightest layer.
 pub(crate) fn check_table() -> Result<()> {
+    shared::check()?;
     let mut rows = counted()?;
     check_robot(&rows)?;
     check(&rows)?;

@@ -122,7 +122,7 @@ fn a_net_of_the_paper_s_size_agrees_with_the_plain_forward() {
     }
 }
 
-#[cfg(feature = "train")]
+#[cfg(feature = "candle")]
 #[test]
 fn f32_agrees_with_candle() {
     use candle_core::{Device, Tensor};
