@@ -6,10 +6,11 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use hapdef_cli::shown;
+use hapdef_cli::{print_json, shown};
 use hapdef_mesh::{
     GltfParams, LengthUnit, QualityReport, SurfaceMesh, UnitGuess, read_surface, write_stl,
 };
+use serde_json::json;
 
 use super::unit::Unit;
 
@@ -40,6 +41,9 @@ pub(crate) struct MeshArgs {
     /// Overwrite the volume mesh.
     #[arg(long)]
     force: bool,
+    /// Print what was made as JSON.
+    #[arg(long)]
+    json: bool,
 }
 
 pub(crate) fn run(args: &MeshArgs) -> Result<()> {
@@ -51,9 +55,17 @@ pub(crate) fn run(args: &MeshArgs) -> Result<()> {
     let edge_mm = args.edge.unwrap_or(1e3 * surface.bounding_box().longest_m() / EDGES_PER_LENGTH);
     ensure!(edge_mm > 0.0, "--edge: expected above 0, found {edge_mm}");
     std::fs::write(folder.0.join("limb.geo"), recipe(edge_mm))?;
-    println!("{}: read in {unit}, edges up to {edge_mm:.1} mm", shown(&args.file));
+    if !args.json {
+        println!("{}: read in {unit}, edges up to {edge_mm:.1} mm", shown(&args.file));
+    }
     call(&args.gmsh, &folder.0)?;
     std::fs::rename(folder.0.join("limb.msh"), out).with_context(|| shown(out))?;
+    if args.json {
+        let made = json!({
+            "file": args.file, "unit": unit.to_string(), "edge_m": 1e-3 * edge_mm, "out": out,
+        });
+        return Ok(print_json(&made, false)?);
+    }
     println!("written to  {}, in mm\nnext:       hapdef new {}", shown(out), shown(out));
     Ok(())
 }

@@ -6,6 +6,7 @@ mod calibrate;
 mod calibrate_args;
 mod calibrate_live;
 mod calibrate_words;
+mod check;
 mod contacts;
 mod contacts_truth;
 mod converge;
@@ -49,8 +50,6 @@ mod unit;
 mod view;
 mod wrap;
 
-use std::path::PathBuf;
-
 use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
 use hapdef::Until;
@@ -90,20 +89,9 @@ enum Command {
     /// The whole job in a minute: calibrates a limb on its simulated rig, finds contacts, says how well.
     Demo(demo::DemoArgs),
     /// Solves a solid deck's own load and prints displacement, energy and mass.
-    #[command(after_help = "Example:\n  hapdef deck fixtures/shin/shin.inp.gz")]
-    Deck {
-        /// The deck.
-        file: PathBuf,
-        /// CalculiX displacements (.dat, also .gz) to compare with at every node.
-        #[arg(long)]
-        reference: Option<PathBuf>,
-        /// Writes the displacement over the solid to this file, for ParaView.
-        #[arg(long, value_name = "FILE.vtu")]
-        vtu: Option<PathBuf>,
-    },
+    Deck(deck::DeckArgs),
     /// Reads a scene and its limb and checks both, without solving anything.
-    #[command(after_help = "Example:\n  hapdef check fixtures/shin/scene.json")]
-    Check(SceneArgs),
+    Check(check::CheckArgs),
     /// Prints a scene with what it leaves out filled in.
     Scene(scene::SceneCommandArgs),
     /// Which stages the scene needs, which are left out and why, and what they will take; solves
@@ -199,11 +187,9 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
         Command::Inspect(args) => inspect::inspect(args),
         Command::New(args) => new::run(args),
-        Command::Deck { file, reference, vtu } => {
-            deck::solve(file, reference.as_deref(), vtu.as_deref())
-        }
+        Command::Deck(args) => deck::run(args),
         Command::Demo(args) => demo::run(args),
-        Command::Check(args) => stage::check(args),
+        Command::Check(args) => check::run(args),
         Command::Scene(args) => scene::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Converge(args) => converge::converge(args),
@@ -289,6 +275,16 @@ mod tests {
             assert_eq!(short.and_then(clap::Arg::get_long), is_maker.then_some("out"));
         }
         assert_eq!(with_option("results"), with_option("profile"));
+    }
+
+    #[test]
+    fn every_command_prints_json_but_what_makes_text_for_programs() {
+        let with = with_option("json");
+        let command = Cli::command();
+        let names = command.get_subcommands().map(|c| c.get_name());
+        let without: Vec<&str> = names.filter(|name| !with.iter().any(|w| w == name)).collect();
+        // a scene and an export are data as they are
+        assert_eq!(without, ["scene", "export", "completions", "man"]);
     }
 
     #[test]

@@ -7,9 +7,10 @@ use anyhow::{Context, Result};
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use hapdef::HapdefError;
-use hapdef::new_limb::{NewLimb, NewLimbParams};
+use hapdef::new_limb::{Guess, NewLimb, NewLimbParams};
 use hapdef::scene::{LimbEnd, WallSolver};
-use hapdef_cli::{on_stderr, shown};
+use hapdef_cli::{on_stderr, print_json, shown};
+use serde_json::json;
 
 use super::unit::Unit;
 
@@ -61,6 +62,9 @@ pub(crate) struct NewArgs {
     /// Take the likeliest of what can't be told, and ask nothing.
     #[arg(long)]
     yes: bool,
+    /// Print guesses and what was made as JSON.
+    #[arg(long)]
+    json: bool,
     /// Threads; results don't depend on it.
     #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
     threads: usize,
@@ -83,10 +87,21 @@ pub(crate) fn run(args: &NewArgs) -> Result<()> {
     let threads = rayon::ThreadPoolBuilder::new().num_threads(args.threads);
     threads.build_global().map_err(HapdefError::Threads)?;
     let limb = guess(args)?;
-    for guess in &limb.guesses {
-        println!("{:9} {:38} {}", guess.what, guess.value, guess.why);
+    if !args.json {
+        for guess in &limb.guesses {
+            println!("{:9} {:38} {}", guess.what, guess.value, guess.why);
+        }
     }
     let made = limb.write(&args.folder(), args.replace, args.threads, on_stderr())?;
+    if args.json {
+        let guess = |g: &Guess| json!({ "what": g.what, "value": g.value, "why": g.why });
+        let made = json!({
+            "guesses": limb.guesses.iter().map(guess).collect::<Vec<_>>(),
+            "made": made.said,
+            "scene": made.scene,
+        });
+        return Ok(print_json(&made, false)?);
+    }
     made.said.iter().for_each(|said| println!("made      {said}"));
     println!("scene     {}", shown(&made.scene));
     println!("next:     hapdef live {} --sim --view", shown(args.folder()));

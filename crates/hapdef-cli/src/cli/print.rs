@@ -6,9 +6,10 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use hapdef::{Limb, PrintParams, PrintedLimb, print_limb};
-use hapdef_cli::{SceneArgs, shown};
+use hapdef::{GaugePlace, Limb, PrintParams, PrintedLimb, print_limb};
+use hapdef_cli::{SceneArgs, print_json, shown};
 use hapdef_mesh::{GltfParams, LengthUnit, QualityReport, atomic_write, read_surface, write_stl};
+use serde_json::{Value, json};
 use std::io::Write as _;
 
 /// Read back, the volume may differ by this share.
@@ -27,6 +28,9 @@ pub(crate) struct PrintArgs {
     /// How much is cut off at the mount's end, mm; half the mount when not given, if the limb is closed there.
     #[arg(long)]
     trim: Option<f64>,
+    /// Print what was made as JSON.
+    #[arg(long)]
+    json: bool,
 }
 
 pub(crate) fn run(args: &PrintArgs) -> Result<()> {
@@ -49,18 +53,49 @@ pub(crate) fn run(args: &PrintArgs) -> Result<()> {
         atomic_write(&path, |file| file.write_all(page.as_bytes()))
             .with_context(|| format!("writing {}", shown(&path)))?;
     }
-    println!("limb        {}, read back: {read}", shown(&stl));
-    println!("trimmed     {:.1} mm at the mount", 1e3 * printed.trim_m);
-    println!("pockets     {}, {:.3} cm³ in all", printed.places.len(), 1e6 * printed.pockets_m3);
-    println!("places      {}, from each gauge's middle to the rims, mm:", shown(&out));
-    for place in &printed.places {
-        println!("    {:<8} {}", place.name, drawing::rims(place));
+    if args.json {
+        return Ok(print_json(&as_json(&stl, &read, &printed), false)?);
     }
+    in_words(&stl, &read, &printed);
     Ok(())
 }
 
-/// What a slicer will find in the file, in words.
-fn read_back(stl: &Path, printed: &PrintedLimb) -> Result<String> {
+fn in_words(stl: &Path, read: &QualityReport, printed: &PrintedLimb) {
+    let (n, volume_cm3) = (read.n_triangles, 1e6 * read.signed_volume_m3);
+    println!(
+        "limb        {}, read back: one closed body, {n} triangles, {volume_cm3:.2} cm³",
+        shown(stl)
+    );
+    println!("trimmed     {:.1} mm at the mount", 1e3 * printed.trim_m);
+    println!("pockets     {}, {:.3} cm³ in all", printed.places.len(), 1e6 * printed.pockets_m3);
+    let folder = stl.parent().unwrap_or(stl);
+    println!("places      {}, from each gauge's middle to the rims, mm:", shown(folder));
+    for place in &printed.places {
+        println!("    {:<8} {}", place.name, drawing::rims(place));
+    }
+}
+
+fn as_json(stl: &Path, read: &QualityReport, printed: &PrintedLimb) -> Value {
+    let place = |place: &GaugePlace| {
+        json!({
+            "name": place.name,
+            "size_m": place.size_m,
+            "turn_rad": place.turn_rad,
+            "rims_m": place.rims_m,
+        })
+    };
+    json!({
+        "stl": stl,
+        "n_triangles": read.n_triangles,
+        "volume_m3": read.signed_volume_m3,
+        "trim_m": printed.trim_m,
+        "pockets_m3": printed.pockets_m3,
+        "places": printed.places.iter().map(place).collect::<Vec<_>>(),
+    })
+}
+
+/// What a slicer will find in the file.
+fn read_back(stl: &Path, printed: &PrintedLimb) -> Result<QualityReport> {
     let params = GltfParams { unit: LengthUnit::Millimetre, ..GltfParams::default() };
     let report = QualityReport::of(&read_surface(stl, &params)?.mesh);
     ensure!(
@@ -78,9 +113,5 @@ fn read_back(stl: &Path, printed: &PrintedLimb) -> Result<String> {
         shown(stl),
         100.0 * change
     );
-    Ok(format!(
-        "one closed body, {} triangles, {:.2} cm³",
-        report.n_triangles,
-        1e6 * report.signed_volume_m3
-    ))
+    Ok(report)
 }

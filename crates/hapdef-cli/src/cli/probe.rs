@@ -8,7 +8,8 @@ use clap::Args;
 use clap::builder::RangedU64ValueParser;
 use hapdef::Limb;
 use hapdef::touch::{ProbeParams, ProbedRig};
-use hapdef_cli::{SceneArgs, shown};
+use hapdef_cli::{SceneArgs, print_json, shown};
+use serde_json::json;
 
 use super::table::contact_columns;
 
@@ -31,6 +32,9 @@ pub(crate) struct ProbeArgs {
     /// Seed of places and forces.
     #[arg(long, default_value_t = 1)]
     press_seed: u64,
+    /// Print what was made as JSON.
+    #[arg(long)]
+    json: bool,
 }
 
 /// Presses the scene's simulated rig and writes the table.
@@ -51,6 +55,17 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<()> {
         writeln!(text, "{}", words.join(","))?;
     }
     std::fs::write(&args.table, text).with_context(|| format!("writing {}", shown(&args.table)))?;
+    if args.json {
+        let made = json!({
+            "table": args.table,
+            "is_simulated": true,
+            "n_presses": args.presses,
+            "n_contacts": args.contacts,
+            "n_gauges": limb.gauges.len(),
+            "seed": args.press_seed,
+        });
+        return Ok(print_json(&made, false)?);
+    }
     println!("{} simulated presses: {}", args.presses, shown(&args.table));
     Ok(())
 }

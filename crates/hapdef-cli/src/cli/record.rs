@@ -7,11 +7,12 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use hapdef::{SOURCE_FORMS, SourceArg};
-use hapdef_cli::shown;
+use hapdef_cli::{print_json, shown};
 use hapdef_contact::printable;
 use hapdef_daq::record::{RecordParams, RecordStats, Recorder, check_unclaimed, record};
 use hapdef_daq::source::{LinkState, SourceStats};
 use hapdef_daq::{AcquireParams, Acquisition, Message, Receiver, acquire};
+use serde_json::json;
 
 use super::signals::stop_flag;
 use super::topic::TopicArgs;
@@ -41,6 +42,9 @@ pub(crate) struct RecordArgs {
     /// Overwrite a recording of the same name, and what is left of one that was broken off.
     #[arg(long)]
     force: bool,
+    /// Print what was recorded as JSON.
+    #[arg(long)]
+    json: bool,
 }
 
 pub(crate) fn run(args: &RecordArgs) -> Result<()> {
@@ -86,15 +90,31 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
         let link = link.map_or(String::new(), |link| format!(": {link}"));
         bail!("{}: not one reading came{link}", shown(out));
     }
-    println!(
-        "{}: {} frames, {} bytes; {} packets lost on the way, {} refused, {} frames dropped",
-        shown(out),
-        info.n_frames,
-        info.n_bytes,
-        stats.losses.n_lost,
-        n_refused(&stats),
-        info.n_dropped,
-    );
+    if args.json {
+        let happened = json!({
+            "out": out,
+            "n_frames": info.n_frames,
+            "n_bytes": info.n_bytes,
+            "n_lost": stats.losses.n_lost,
+            "n_refused": n_refused(&stats),
+            "n_dropped": info.n_dropped,
+            "n_events_dropped": info.n_events_dropped,
+            "n_host_time": stats.n_host_time,
+            "n_restarts": n_restarts,
+            "n_exchanges": n_exchanges,
+        });
+        print_json(&happened, false)?;
+    } else {
+        println!(
+            "{}: {} frames, {} bytes; {} packets lost on the way, {} refused, {} frames dropped",
+            shown(out),
+            info.n_frames,
+            info.n_bytes,
+            stats.losses.n_lost,
+            n_refused(&stats),
+            info.n_dropped,
+        );
+    }
     if n_restarts > 0 {
         eprintln!("{n_restarts} restarts of the device, {n_exchanges} times another one came");
     }

@@ -8,12 +8,13 @@ use std::sync::Arc;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hapdef::{Limb, Run, VirtualRigParams, live_limb, random_presses, virtual_device};
-use hapdef_cli::{SceneArgs, StandardOutput, shown};
+use hapdef_cli::{SceneArgs, StandardOutput, print_json, shown};
 use hapdef_daq::record::claim;
 use hapdef_rig::live::{
     DevicePort, LiveLimb, PressScript, PtyPort, RigFault, RunInfo, RunParams, TcpPort, TruthFrame,
     run_rig,
 };
+use serde_json::{Value, json};
 
 use super::network::{IS_READ, check_reach};
 
@@ -64,6 +65,9 @@ pub(crate) struct RigArgs {
     /// Frames per second.
     #[arg(long, default_value_t = 1000.0)]
     rate_hz: f64,
+    /// Lines of JSON: the port as soon as it is open, and what happened in the end.
+    #[arg(long)]
+    json: bool,
 }
 
 /// Runs the virtual rig until its time is over or Ctrl-C.
@@ -84,7 +88,10 @@ pub(crate) fn rig(args: &RigArgs) -> Result<()> {
         faults: args.faults.clone(),
     };
     let device = virtual_device(&run.scene, Arc::clone(&limb), &params)?;
-    println!("simulated {}: {} gauges at {} Hz", run.scene.name, limb.n_gauges(), args.rate_hz);
+    if !args.json {
+        let (name, n_gauges) = (&run.scene.name, limb.n_gauges());
+        println!("simulated {name}: {n_gauges} gauges at {} Hz", args.rate_hz);
+    }
     let run_params = RunParams {
         duration_s: args.seconds,
         faults: args.faults.clone(),
@@ -98,21 +105,31 @@ pub(crate) fn rig(args: &RigArgs) -> Result<()> {
         }
     };
     let info = if let Some(address) = &args.tcp {
-        let port = announced(TcpPort::listen(address)?)?;
+        let port = announced(TcpPort::listen(address)?, args.json)?;
         run_rig(device, port, &run_params, &run.stop, keep)
     } else {
-        let port = announced(PtyPort::open(args.link.as_deref())?)?;
+        let port = announced(PtyPort::open(args.link.as_deref())?, args.json)?;
         run_rig(device, port, &run_params, &run.stop, keep)
     };
     if let Some(file) = truth {
-        file.finish()?;
+        let path = file.finish()?;
+        if !args.json {
+            println!("truth {}", shown(&path));
+        }
+    }
+    if args.json {
+        return Ok(print_json(&as_json(&info, args.truth.as_deref()), false)?);
     }
     println!("{}", in_words(&info));
     Ok(())
 }
 
-fn announced<P: DevicePort>(port: P) -> Result<P> {
-    println!("port {}", port.name());
+fn announced<P: DevicePort>(port: P, is_json: bool) -> Result<P> {
+    if is_json {
+        print_json(&json!({ "port": port.name(), "is_simulated": true }), false)?;
+    } else {
+        println!("port {}", port.name());
+    }
     StandardOutput.flush()?;
     Ok(port)
 }
@@ -144,6 +161,17 @@ fn in_words(info: &RunInfo) -> String {
     )
 }
 
+fn as_json(info: &RunInfo, truth: Option<&Path>) -> Value {
+    json!({
+        "n_frames": info.n_frames,
+        "n_dropped": info.n_dropped,
+        "n_skipped": info.n_skipped,
+        "n_damaged": info.n_hit,
+        "worst_late_s": info.worst_late_s,
+        "truth": truth,
+    })
+}
+
 /// The file of ground truth; it gets its name when it is complete.
 struct TruthFile {
     path: PathBuf,
@@ -168,12 +196,11 @@ impl TruthFile {
         }
     }
 
-    fn finish(mut self) -> Result<()> {
+    fn finish(mut self) -> Result<PathBuf> {
         let written = self.fault.take().map_or_else(|| self.out.flush(), Err);
         written.with_context(|| format!("writing {}", shown(&self.partial)))?;
         std::fs::rename(&self.partial, &self.path)
             .with_context(|| format!("naming {}", shown(&self.path)))?;
-        println!("truth {}", shown(&self.path));
-        Ok(())
+        Ok(self.path)
     }
 }

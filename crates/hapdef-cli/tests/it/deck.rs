@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::Command;
 
-const BAR: &str = "\
+pub(crate) const BAR: &str = "\
 *NODE
 1, 0, 0, 0
 2, 1, 0, 0

@@ -9,6 +9,7 @@
 mod bad_input;
 mod calibrate_command;
 mod deck;
+mod json;
 mod live;
 mod live_browser;
 mod live_device;

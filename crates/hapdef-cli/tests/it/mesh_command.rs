@@ -54,6 +54,12 @@ fn a_surface_is_handed_to_gmsh_in_millimetres() {
     let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(Result::unwrap).collect();
     assert_eq!(left.len(), 3, "{left:?}");
     refused(&mesh(folder.path(), script, &["box.stl"]), "limb.msh: is there already");
+    let output = mesh(folder.path(), script, &["box.stl", "--edge", "4", "--force", "--json"]);
+    let made: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&made["unit"], &made["edge_m"], &made["out"]),
+        (&"mm".into(), &0.004.into(), &"limb.msh".into())
+    );
 }
 
 #[test]

@@ -86,6 +86,11 @@ const fn given(name: &'static str, on: On, pressed: Pressed) -> Case {
 }
 
 impl Bench<'_> {
+    /// Those of the rows whose gauges there are.
+    pub(super) fn possible<'a>(&self, cases: &'a [Case]) -> Vec<&'a Case> {
+        cases.iter().filter(|case| self.has_more() || !matches!(case.on, On::More)).collect()
+    }
+
     /// Finds the contacts of a row's frames, and shows `also` each frame with its estimate.
     pub(super) fn found(
         &mut self,

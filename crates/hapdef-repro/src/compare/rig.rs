@@ -146,7 +146,8 @@ fn place(
         seed: run.scene.seed,
         ..LayoutParams::default()
     };
-    let places = LayoutCandidates::solve(run, limb, &params)?;
+    let is_chosen = params.n_gauges > 0;
+    let places = is_chosen.then(|| LayoutCandidates::solve(run, limb, &params)).transpose()?;
     let glued = |placed: PlacedGauge| -> Result<(GaugeSite, GaugeStrain)> {
         let site = run.scene.gauges.site(placed.position_m, placed.axis);
         let faces = &limb.boundary.faces;
@@ -159,6 +160,7 @@ fn place(
             Layout::Scene => (limb.sites.clone(), limb.gauges.clone(), 0),
             Layout::Greedy(n) => {
                 run.say(&format!("placing {n} gauges"));
+                let places = places.as_ref().context("candidates of a chosen layout")?;
                 let chosen = places.recommended(n)?.into_iter().map(glued);
                 let (sites, gauges): (Vec<_>, Vec<_>) = chosen.collect::<Result<_>>()?;
                 let first = limb.gauges.len() + further.len();

@@ -37,7 +37,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let estimator = many.estimator(params)?;
     measured.bound_ratio = many.bound_ratio(&estimator, &singles)?;
     arrivals::add(&bench, &estimator, &mut measured)?;
-    for case in &CASES_OF_MORE_GAUGES {
+    for case in bench.possible(&CASES_OF_MORE_GAUGES) {
         measured.rows.push(bench.found(case, |_, _, _, _| Ok(()))?.row(case.name));
     }
     if !args.without_paper {

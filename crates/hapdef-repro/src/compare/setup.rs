@@ -45,6 +45,9 @@ pub(crate) struct CompareArgs {
     /// Nothing but contacts beside loads that are no contacts: a wrench on the free end, weight, acceleration.
     #[arg(long, conflicts_with = "diagnose")]
     pub(super) loads: bool,
+    /// Rows of the scene's own gauges alone, none of the sixteen: half the time.
+    #[arg(long)]
+    pub(super) own_gauges: bool,
 }
 
 fn at_least_few(word: &str) -> Result<usize, String> {
@@ -72,7 +75,9 @@ pub(super) struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     pub(super) fn build(run: &'a Run, limb: &'a Limb, args: &'a CompareArgs) -> Result<Self> {
-        let rig = Rig::build(run, limb, &[Layout::Scene, MORE], MARGIN_M)?;
+        let layouts = [Layout::Scene, MORE];
+        let n_layouts = if args.own_gauges { 1 } else { layouts.len() };
+        let rig = Rig::build(run, limb, &layouts[..n_layouts], MARGIN_M)?;
         let mut bench = Self { run, limb, args, rig, presses: Vec::new() };
         bench.presses = bench.drawn().presses(args.presses)?;
         Ok(bench)
@@ -80,6 +85,11 @@ impl<'a> Bench<'a> {
 
     pub(super) fn params(&self) -> EstimatorParams {
         estimator_params(&self.run.scene)
+    }
+
+    /// Whether there are the gauges of [`MORE`].
+    pub(super) fn has_more(&self) -> bool {
+        !self.args.own_gauges
     }
 
     /// What is pressed.

@@ -80,7 +80,7 @@ pub(super) fn write(
         summary: Some(Summary {
             sentence: sentence(found),
             numbers: found.scores.iter().map(headline).collect(),
-            picture: picture(limb, estimator, found)?,
+            picture: Some(picture(limb, estimator, found)?),
             next: vec![
                 format!("See it live and press it with the mouse: {}", live_command(args)),
                 "Bring your own limb: hapdef new LIMB.stl".into(),
