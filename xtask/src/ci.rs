@@ -5,11 +5,12 @@ use std::sync::{Mutex, mpsc};
 use std::thread;
 use std::time::Instant;
 
+use crate::book::BookArgs;
 use crate::test::Tests;
 use crate::tool::{cargo, metadata, results, root, run, run_quietly, shown};
 use crate::{
-    docs, first_minute, fixtures, frontier, fuzz, metrics, package, python, repro, robustness,
-    soak, tidy, verify, weight,
+    book, docs, first_minute, fixtures, frontier, fuzz, metrics, package, python, repro,
+    robustness, soak, tidy, verify, weight,
 };
 use anyhow::{Context, Result, bail};
 
@@ -84,6 +85,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
             steps.run("robustness tables", robustness::check)?;
             steps.run("limits page", frontier::check)?;
             steps.run("fixtures", || fixtures::make(true))?;
+            steps.run("book", || book::make(&BookArgs::default()))?;
             steps.run("tests of the wheel", || {
                 wheel.as_ref().map_or(Ok(()), |wheel| python::test_wheel(wheel, is_nightly))
             })?;

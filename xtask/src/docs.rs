@@ -23,11 +23,11 @@ const SMALLER: [(&str, &str); 13] = [
     ("cargo xtask bench view", "cargo xtask bench view -- --seconds 2"),
     (
         "cargo xtask compare -- --diagnose",
-        "cargo xtask compare --quick -- --without-paper --frames 10 --scripts 10 --presses 300 --diagnose",
+        "cargo xtask compare --quick -- --without-paper --own-gauges --frames 10 --scripts 10 --presses 300 --diagnose",
     ),
     (
         "cargo xtask compare -- --without-paper --loads",
-        "cargo xtask compare --quick -- --without-paper --loads --frames 4 --presses 300",
+        "cargo xtask compare --quick -- --without-paper --own-gauges --loads --frames 4 --presses 300",
     ),
     (
         "cargo xtask frontier inverse",

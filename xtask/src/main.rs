@@ -5,6 +5,7 @@
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line program prints")]
 
 mod bench;
+mod book;
 mod browser;
 mod ci;
 mod compare;
@@ -124,6 +125,9 @@ enum Task {
     /// Runs the commands that the docs show.
     #[command(after_help = "Example:\n  cargo xtask docs")]
     Docs(docs::DocsArgs),
+    /// The docs as a book with search.
+    #[command(after_help = "Examples:\n  cargo xtask book\n  cargo xtask book -o target/site")]
+    Book(book::BookArgs),
     /// A folder to give away: program, wheel, completions, manual, docs, checksums; and an archive of it.
     #[command(after_help = "Examples:\n  cargo xtask dist\n  cargo xtask dist --check")]
     Dist {
@@ -175,6 +179,7 @@ fn run(task: Task) -> Result<()> {
         Task::Python => python::check(),
         Task::Weight(args) => weight::run(&args),
         Task::Docs(args) => docs::run_some(&args),
+        Task::Book(args) => book::make(&args),
         Task::Dist { check: true } => dist::check(),
         Task::Dist { check: false } => dist::make(),
         Task::Packages => package::check(),

@@ -16,6 +16,7 @@ mod pareto;
 pub mod robustness;
 pub mod stats;
 mod study;
+mod summary;
 mod table;
 mod target;
 

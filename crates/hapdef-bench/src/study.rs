@@ -6,6 +6,7 @@ use std::path::Path;
 use hapdef_report::{MetricLog, Report, ReportError, ReportTable, write_report, write_text};
 use serde::Serialize;
 
+use crate::summary::summary;
 use crate::table::{page_table, terminal_table};
 use crate::target::{Target, Wanted, target_table};
 
@@ -150,6 +151,13 @@ impl<M: Measurements + Serialize> Study<M> {
             println!("{}\n{}", table.title, terminal_table(&table.text));
         }
         report.metrics = log.records().to_vec();
+        if report.summary.is_none() {
+            let picture = report.figures.first().cloned();
+            report.summary = summary(&self.targets(measured), picture);
+            // it stands on top, not a second time below
+            let is_on_top = report.summary.as_ref().is_some_and(|top| top.picture.is_some());
+            report.figures.drain(..usize::from(is_on_top));
+        }
         let mut paths = write_report(&folder, &report)?;
         log.append_to(&out.join("metrics.json"))?;
         if let Some(file) = self.file {
@@ -169,13 +177,17 @@ impl<M: Measurements + Serialize> Study<M> {
     /// # Errors
     /// A figure that JSON can't hold.
     pub fn goal_table(&self, measured: &M) -> Result<ReportTable, ReportError> {
+        let targets = self.targets(measured);
+        page_table("What was asked for", self.goals_note, target_table(&targets), &targets)
+    }
+
+    fn targets(&self, measured: &M) -> Vec<Target> {
         let target = |goal: &Goal<M>| Target {
             what: goal.what,
             wanted: goal.wanted,
             measured: goal.figure.of(measured),
         };
-        let targets: Vec<Target> = self.goals.iter().map(target).collect();
-        page_table("What was asked for", self.goals_note, target_table(&targets), &targets)
+        self.goals.iter().map(target).collect()
     }
 }
 
@@ -240,6 +252,7 @@ mod tests {
         assert_eq!(lines, "METRIC:demo.fast_us:2:µs\nMETRIC:demo.slow_us:skipped:no row\n");
         let json = std::fs::read_to_string(out.path().join("limb/times/times.json")).unwrap();
         assert!(json.contains("fast"), "{json}");
-        assert!(out.path().join("limb/times/report.html").exists());
+        let page = std::fs::read_to_string(out.path().join("limb/times/report.html")).unwrap();
+        assert!(page.contains("1 of 1 figures are what was asked for."), "{page}");
     }
 }

@@ -100,7 +100,7 @@ struct Written<'a> {
 /// [`ReportError::NoHashes`]; a figure whose file name is no plain name with the ending of its content or is used twice,
 /// found before anything is written; then files that can't be written.
 pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, ReportError> {
-    let pictures = report.summary.iter().map(|summary| &summary.picture);
+    let pictures = report.summary.iter().filter_map(|summary| summary.picture.as_ref());
     let figures: Vec<&Figure> = pictures.chain(&report.figures).collect();
     check_figures(&figures)?;
     if report.hashes.is_empty() {

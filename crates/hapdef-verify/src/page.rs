@@ -2,7 +2,8 @@
 
 use hapdef_bench::{Column, table};
 use hapdef_report::{
-    Figure, LineChart, NamedText, ReportError, ReportTable, Series, SkippedStage, TextTable,
+    Figure, Headline, LineChart, NamedText, ReportError, ReportTable, Series, SkippedStage,
+    Summary, TextTable,
 };
 use serde_json::Value;
 
@@ -23,8 +24,11 @@ pub fn verification_page(
         ("failed", report.n_failed()),
     ];
     let fact = |(name, n): (&str, usize)| NamedText { name: name.into(), text: n.to_string() };
+    let mut figures = convergence(report)?;
+    let picture = (!figures.is_empty()).then(|| figures.remove(0));
     Ok(hapdef_report::Report {
         title: "Is the elasticity solver right?".into(),
+        summary: Some(first(report, picture)),
         facts: counts.map(fact).into(),
         tables: vec![ReportTable {
             title: "Cases, each on its finest mesh".into(),
@@ -34,11 +38,36 @@ pub fn verification_page(
             text: cases_table(report),
             data,
         }],
-        figures: convergence(report)?,
+        figures,
         skipped: not_run(report),
         hashes: vec![NamedText::hash_of("table", &markdown(report))],
         ..hapdef_report::Report::default()
     })
+}
+
+/// What a reader sees first.
+fn first(report: &Report, picture: Option<Figure>) -> Summary {
+    let (n, n_failed) = (report.n_judged(), report.n_failed());
+    let n_known = report.n_known_misses();
+    let sentence = format!(
+        "{} of {n} published benchmarks, closed forms and other programs' results are met; {n_known} are missed for \
+         reasons that are known, {n_failed} for none.",
+        n - n_failed - n_known
+    );
+    let worst = report.worst().map(|error| Headline {
+        value: format!("{:.2} %", 100.0 * error),
+        what: "largest error".into(),
+        beside: "of a judged case, on its finest mesh".into(),
+    });
+    let count = |n: usize, what: &str, beside: &str| Headline {
+        value: n.to_string(),
+        what: what.into(),
+        beside: beside.into(),
+    };
+    let judged = count(n, "cases judged", "each against a reference of its own");
+    let failed = count(n_failed, "failed", "must be none");
+    let numbers = [Some(judged), Some(failed), worst].into_iter().flatten().collect();
+    Summary { sentence, numbers, picture, next: Vec::new() }
 }
 
 /// Cases that were not run, and why.

@@ -4,7 +4,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use hapdef_report::{
-    MetricContext, MetricLog, NamedText, Report, ReportError, ReportTable, write_report, write_text,
+    Headline, MetricContext, MetricLog, NamedText, Report, ReportError, ReportTable, Summary,
+    write_report, write_text,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -176,7 +177,28 @@ fn publish<W: Write>(
     log.value("stability.silently_wrong", n_wrong as f64, "1")?;
     log.append_to(metrics)?;
     report.metrics = log.records().to_vec();
+    report.summary = Some(first(rows));
     Ok(write_report(folder, &report)?.pop().unwrap_or_default())
+}
+
+/// What a reader sees first.
+fn first(rows: &[Row]) -> Summary {
+    let (n, n_failed) = (rows.len(), n_failed(rows));
+    let sentence = match n_failed {
+        0 => format!("None of {n} extreme cases gives a wrong answer without saying so."),
+        failed => format!("{failed} of {n} extreme cases fail; they stand in the table."),
+    };
+    let meaning = |verdict: Verdict| match verdict {
+        Verdict::Accurate => "what must hold, holds",
+        Verdict::Refused => "an error that says why",
+        Verdict::SilentlyWrong => "must be none",
+    };
+    let number = |verdict: Verdict| Headline {
+        value: verdict.count(rows).to_string(),
+        what: verdict.word().to_owned(),
+        beside: meaning(verdict).to_owned(),
+    };
+    Summary { sentence, numbers: Verdict::ALL.map(number).into(), picture: None, next: Vec::new() }
 }
 
 fn n_failed(rows: &[Row]) -> usize {

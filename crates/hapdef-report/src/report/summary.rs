@@ -13,19 +13,20 @@ pub struct Summary {
     pub sentence: String,
     /// The numbers that matter.
     pub numbers: Vec<Headline>,
-    /// The picture that shows it.
-    pub picture: Figure,
+    /// The picture that shows it, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub picture: Option<Figure>,
     /// What to open or to do next, a line each.
     pub next: Vec<String>,
 }
 
 impl Summary {
     pub(super) fn blocks(&self) -> Vec<Block> {
-        let mut blocks = vec![
-            Block::Lead(self.sentence.clone()),
-            Block::Headlines(self.numbers.clone()),
-            Block::Figure(self.picture.clone()),
-        ];
+        let mut blocks = vec![Block::Lead(self.sentence.clone())];
+        if !self.numbers.is_empty() {
+            blocks.push(Block::Headlines(self.numbers.clone()));
+        }
+        blocks.extend(self.picture.clone().map(Block::Figure));
         if !self.next.is_empty() {
             blocks.push(Block::Heading("Next".into()));
             blocks.extend(self.next.iter().cloned().map(Block::Note));
@@ -41,7 +42,9 @@ impl Summary {
                 number.what, number.value, number.beside
             ));
         }
-        text.push_str(&format!("\n![]({})\n\n{}\n", self.picture.file, self.picture.caption));
+        if let Some(picture) = &self.picture {
+            text.push_str(&format!("\n![]({})\n\n{}\n", picture.file, picture.caption));
+        }
         for line in &self.next {
             text.push_str(&format!("\n- {line}"));
         }

@@ -172,7 +172,7 @@ fn the_summary_comes_first_and_what_it_rests_on_last() {
     let summary = Summary {
         sentence: "Found & scored.".to_owned(),
         numbers: vec![number],
-        picture,
+        picture: Some(picture),
         next: vec!["hapdef live".to_owned()],
     };
     let with_summary = Report { summary: Some(summary.clone()), ..report() };
@@ -212,6 +212,6 @@ fn the_summary_comes_first_and_what_it_rests_on_last() {
             rest = &rest[at.unwrap_or_else(|| panic!("{part} doesn't come next in {rest}"))..];
         }
     }
-    let twice = Report { figures: vec![summary.picture.clone()], ..with_summary };
+    let twice = Report { figures: summary.picture.clone().into_iter().collect(), ..with_summary };
     assert!(write_report(folder.path(), &twice).is_err(), "a picture and a figure share a file");
 }

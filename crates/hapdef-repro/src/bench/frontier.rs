@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use hapdef_bench::{Column, Metric, Study, against_time, by_cost, or_dash, page_table, table};
 use hapdef_cli::{SceneArgs, TrainingArgs};
-use hapdef_report::{Figure, LineChart, Report, SkippedStage};
+use hapdef_report::{Figure, Headline, LineChart, Report, SkippedStage, Summary};
 
 use super::measure::{Measured, Point, best_reduced, measure};
 use super::variants::Family;
@@ -68,15 +68,46 @@ pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
     by_time.sort_by(|a, b| a.times.p50_us.total_cmp(&b.times.p50_us));
     let text = table(&COLUMNS, by_time);
     let peers = SkippedStage { name: "rows of other programs".into(), reason: missing };
+    let mut figures = figures(&points)?;
     let report = Report {
+        summary: Some(first(&points, figures.remove(0))),
         tables: vec![page_table("Every method from readings to the map", NOTE, text, &points)?],
-        figures: figures(&points)?,
+        figures,
         stages: facts::stage_times(&done, &[]),
         skipped: if peers.reason.is_empty() { vec![] } else { vec![peers] },
         ..facts::study(&run, "error against run time", run.scene.seed)?
     };
     STUDY.publish(&points, report, &mut facts::log(run.scene.seed), &args.scene.results)?;
     Ok(())
+}
+
+/// What a reader sees first: the fastest method, that of the best map, that of the nearest contacts.
+fn first(points: &[Point], picture: Figure) -> Summary {
+    let least = |of: fn(&Point) -> Option<f64>| {
+        let measured = points.iter().filter_map(|p| Some((p, of(p)?)));
+        measured.min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let number = |(point, value): (&Point, f64), unit: &str, what: &str| Headline {
+        value: format!("{value:.2} {unit}"),
+        what: what.to_owned(),
+        beside: format!("{}, {:.0} µs", point.name, point.times.p50_us),
+    };
+    let numbers = [
+        least(|p| Some(p.times.p50_us)).map(|best| number(best, "µs", "the fastest")),
+        least(|p| p.errors.map_um).map(|best| number(best, "µm", "the best map")),
+        least(|p| p.errors.contact_mm).map(|best| number(best, "mm", "the nearest contacts")),
+    ];
+    let n_front = points.iter().filter(|p| p.on_map_front || p.on_contact_front).count();
+    Summary {
+        sentence: format!(
+            "{n_front} of {} methods from readings to the map are worth choosing: nothing else is both faster and \
+             better by the map or by the contacts.",
+            points.len()
+        ),
+        numbers: numbers.into_iter().flatten().collect(),
+        picture: Some(picture),
+        next: Vec::new(),
+    }
 }
 
 const NOTE: &str = "Time: F_T and what follows it up to the map, one frame, one core. Map: mean \

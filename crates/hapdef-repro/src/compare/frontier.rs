@@ -10,7 +10,7 @@ use hapdef_bench::{
     Column, Metric, Named, Study, against_time, by_cost, or_dash, page_table, pareto_front, table,
 };
 use hapdef_inverse::{EstimatorParams, ScanSites, joint_bounds};
-use hapdef_report::{Figure, Report};
+use hapdef_report::{Figure, Headline, Report, Summary};
 use serde::Serialize;
 
 use super::cells::{Map, score};
@@ -116,18 +116,40 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
         "Simulated: the scene's rig, a map calibrated with {} presses. {NOTE}",
         args.presses
     );
+    let mut figures = figures(&points)?;
     let report = Report {
+        summary: Some(first(&points, figures.remove(0))),
         tables: vec![page_table(
             "Every configuration from readings to contacts",
             note,
             text,
             &points,
         )?],
-        figures: figures(&points)?,
         ..facts::study(&run, "search effort against error", args.test_seed)?
     };
     STUDY.publish(&points, report, &mut facts::log(args.test_seed), &args.scene.results)?;
     Ok(())
+}
+
+/// What a reader sees first: the usual effort for each number of contacts.
+fn first(points: &[Point], picture: Figure) -> Summary {
+    let usual = points.iter().filter(|p| p.row.name == "usual");
+    let number = |p: &Point| Headline {
+        value: format!("{:.2} mm", p.row.errors.mean_mm),
+        what: format!("mean error, {} at once", p.n_contacts),
+        beside: format!("in {:.0} µs, the usual effort", p.row.p50_us),
+    };
+    let n_front = points.iter().filter(|p| p.on_front).count();
+    let n = points.len();
+    Summary {
+        sentence: format!(
+            "{n_front} of {n} combinations of search effort and number of contacts are worth choosing: no other \
+             is as fast and as near."
+        ),
+        numbers: usual.map(number).collect(),
+        picture: Some(picture),
+        next: Vec::new(),
+    }
 }
 
 fn by_effort(map: &Map, usual: EstimatorParams, effort: &Effort, frames: &[Frame]) -> Result<Row> {

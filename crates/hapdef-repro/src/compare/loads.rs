@@ -7,7 +7,7 @@ use hapdef::Run;
 use hapdef::scene::{FlangeSpec, LimbEnd, LoadsSpec, Mount, Scene};
 use hapdef::touch::other_loads;
 use hapdef_bench::stats::median;
-use hapdef_bench::{Column, Metric, Named, Study, page_table, table};
+use hapdef_bench::{Column, Figure, Goal, Metric, Named, Study, Wanted, page_table, table};
 use hapdef_inverse::{ContactEstimator, OtherLoads, joint_bounds};
 use hapdef_report::Report;
 use hapdef_sim::LimbLoad;
@@ -87,7 +87,7 @@ impl Named for Loaded {
 }
 
 const STUDY: Study<Vec<Loaded>> =
-    Study { folder: "loads", metrics: &METRICS, goals: &[], goals_note: "", file: None };
+    Study { folder: "loads", metrics: &METRICS, goals: &GOALS, goals_note: GOALS_NOTE, file: None };
 
 const COLUMNS: [Column<Loaded>; 9] = [
     Column::new("frames of", |r| r.row.name.clone()),
@@ -103,7 +103,7 @@ const COLUMNS: [Column<Loaded>; 9] = [
 
 const METRICS: [Metric<Vec<Loaded>>; 10] = [
     alone("loads.unknown10_false_frames", "untouched, 10 gauges, learned"),
-    alone("loads.unknown16_false_frames", "untouched, 16 gauges, learned"),
+    alone("loads.unknown16_false_frames", UNTOUCHED),
     median_mm("loads.unknown16_single_median_mm", "single, 16 gauges, learned"),
     median_mm("loads.given10_single_median_mm", "single, 10 gauges, given"),
     median_mm("loads.given16_single_median_mm", "single, 16 gauges, given"),
@@ -114,12 +114,51 @@ const METRICS: [Metric<Vec<Loaded>>; 10] = [
     count("loads.given10_single_count_pct", "single, 10 gauges, given"),
 ];
 
+/// What the figures should be.
+const GOALS: [Goal<Vec<Loaded>>; 6] = [
+    goal(
+        "loads measured, one contact, 10 gauges, median, mm",
+        "single, 10 gauges, given",
+        MEDIAN,
+        0.5,
+    ),
+    goal("loads measured, two, 10 gauges, median, mm", "double, 10 gauges, given", MEDIAN, 1.0),
+    goal("nothing measured, untouched, 16 gauges, contacts that are none", UNTOUCHED, FALSE, 0.0),
+    goal(
+        "loads measured, one contact, 16 gauges, median, mm",
+        "single, 16 gauges, given",
+        MEDIAN,
+        0.5,
+    ),
+    goal("loads measured, two, 16 gauges, median, mm", "double, 16 gauges, given", MEDIAN, 1.0),
+    Goal {
+        what: "loads measured, two, 10 gauges, count right, %",
+        wanted: Wanted::AtLeast(94.0),
+        figure: Figure::Row("double, 10 gauges, given", |r: &Loaded| r.row.errors.count_pct),
+    },
+];
+
+const GOALS_NOTE: &str = "Measured: with an error of 2 %.";
+
+const UNTOUCHED: &str = "untouched, 16 gauges, learned";
+const MEDIAN: fn(&Loaded) -> f64 = |r| r.row.errors.median_mm;
+const FALSE: fn(&Loaded) -> f64 = |r| r.n_false.map_or(f64::NAN, |n| n as f64);
+
+const fn goal(
+    what: &'static str,
+    row: &'static str,
+    of: fn(&Loaded) -> f64,
+    most: f64,
+) -> Goal<Vec<Loaded>> {
+    Goal { what, wanted: Wanted::AtMost(most), figure: Figure::Row(row, of) }
+}
+
 const fn alone(name: &'static str, row: &'static str) -> Metric<Vec<Loaded>> {
-    Metric::row(name, "1", row, |r: &Loaded| r.n_false.map_or(f64::NAN, |n| n as f64))
+    Metric::row(name, "1", row, FALSE)
 }
 
 const fn median_mm(name: &'static str, row: &'static str) -> Metric<Vec<Loaded>> {
-    Metric::row(name, "mm", row, |r: &Loaded| r.row.errors.median_mm)
+    Metric::row(name, "mm", row, MEDIAN)
 }
 
 const fn count(name: &'static str, row: &'static str) -> Metric<Vec<Loaded>> {
@@ -149,12 +188,17 @@ pub(super) fn load_scene(run: &mut Run) -> Result<()> {
 /// Scores frames beside loads, prints and writes it.
 pub(super) fn loads(bench: &mut Bench<'_>) -> Result<()> {
     let mut rows = Vec::new();
-    for (layout, gauges) in [(Layout::Scene, "10 gauges"), (MORE, "16 gauges")] {
-        rows.extend(on_layout(bench, layout, gauges)?);
+    let layouts = [(Layout::Scene, "10 gauges"), (MORE, "16 gauges")];
+    let n_layouts = if bench.has_more() { layouts.len() } else { 1 };
+    for (layout, gauges) in &layouts[..n_layouts] {
+        rows.extend(on_layout(bench, *layout, gauges)?);
     }
     let title = "Contacts beside loads that are no contacts";
     let report = Report {
-        tables: vec![page_table(title, NOTE, table(&COLUMNS, &rows), &rows)?],
+        tables: vec![
+            page_table(title, NOTE, table(&COLUMNS, &rows), &rows)?,
+            STUDY.goal_table(&rows)?,
+        ],
         ..facts::study(bench.run, "contacts beside loads", bench.args.test_seed)?
     };
     STUDY.publish(

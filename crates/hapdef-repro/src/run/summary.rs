@@ -94,7 +94,7 @@ pub(crate) fn first(
     };
     let numbers = PAPER_TABLE2.iter().filter_map(headline).collect();
     let next = vec!["What each verdict rests on: docs/report.md".into()];
-    Some(Summary { sentence, numbers, picture: figures.remove(at), next })
+    Some(Summary { sentence, numbers, picture: Some(figures.remove(at)), next })
 }
 
 /// Tables and verdicts on the terminal.
