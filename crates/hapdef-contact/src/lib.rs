@@ -7,11 +7,14 @@
 //! robot presses. The words of [`Phase`], [`WhyNot`], [`TouchPhase`], [`UnknownReason`] and [`GaugeHealth`] are those
 //! of every JSON line.
 //!
+//! A [`LimbLoad`] is what loads the limb as a whole and is no contact.
+//!
 //! [`printable()`] is how text from outside is shown, whoever shows it.
 //!
 //! This crate knows nothing of skins, estimators, files or ports.
 
 mod contact;
+mod limb_load;
 mod printable;
 mod state;
 mod touch;
@@ -19,6 +22,7 @@ mod uncertainty;
 mod wrench;
 
 pub use contact::{Contact, DrawnContact};
+pub use limb_load::LimbLoad;
 pub use printable::{printable, printable_lines};
 pub use state::{GaugeHealth, Phase, TouchPhase, UnknownReason, Verdict, WhyNot};
 pub use touch::{Alternative, Quality, Touch};

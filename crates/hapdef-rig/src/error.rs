@@ -1,6 +1,7 @@
 //! What can go wrong while the simulated hardware is built.
 
 use hapdef_mesh::MeshError;
+#[cfg(feature = "solve")]
 use hapdef_sim::SimError;
 
 /// Failures of the simulated hardware.
@@ -9,6 +10,7 @@ use hapdef_sim::SimError;
 pub enum RigError {
     #[error("the rig's mesh: {0}")]
     Mesh(#[from] MeshError),
+    #[cfg(feature = "solve")]
     #[error("the rig's elastic model: {0}")]
     Sim(#[from] SimError),
     #[error(

@@ -87,7 +87,7 @@ impl RealLimb {
         let loaded =
             LoadedLimb { mesh: &mesh, material, expansion_per_k, flange: &flange, flange_point_m };
         let loads: Vec<NodalLoad> =
-            loads.iter().map(|load| load.on(&loaded)).collect::<Result<_, _>>()?;
+            loads.iter().map(|load| loaded.unit(*load)).collect::<Result<_, _>>()?;
         let info = RealLimbInfo {
             n_fe_nodes: mesh.nodes().len(),
             n_elements: mesh.elements().len(),

@@ -68,11 +68,12 @@ pub use factor::Ordering;
 pub use gauges::{
     GaugeParams, GaugeResponse, GaugeSite, GaugeStrain, LinearFunctional, NodeWeight,
 };
+pub use hapdef_contact::LimbLoad;
 pub use iterative::{
     ChoiceReason, IterativeParams, MultigridInfo, MultigridParams, SolverChoice, SolverInfo,
     SolverKind,
 };
-pub use loads::{LimbLoad, LoadedLimb, NodalLoad, PressedSkin};
+pub use loads::{LoadedLimb, NodalLoad, PressedSkin};
 pub use model::{
     Compliance, ComplianceParams, ElasticModel, ElasticParams, FactorInfo, Motion, Residuals,
     SolveInfo, SolveParams, StiffnessMatrix,

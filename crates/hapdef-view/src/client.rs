@@ -14,7 +14,7 @@ use tokio::time::{Instant, MissedTickBehavior, interval, interval_at, timeout};
 use crate::client_stats::ClientStats;
 use crate::command::{PageMessage, ViewCommand};
 use crate::feed::{Feed, Place};
-use crate::wire::Hello;
+use crate::wire::{self, Hello};
 
 /// A page that says nothing for so long at first is let go.
 const HELLO_TIME: Duration = Duration::from_secs(3);
@@ -92,15 +92,15 @@ impl Page<'_> {
                 return None;
             }
             Ok(message) => message,
-            Err(why) => return Some(refusal(&why)),
+            Err(why) => return Some(wire::refusal(&why)),
         };
         if !self.has_token {
-            return Some(refusal("view only: commands need the token of the address"));
+            return Some(wire::refusal("view only: commands need the token of the address"));
         }
         let sent = message
             .command(&self.feed.offers)
             .and_then(|command| command.map_or(Ok(()), |command| self.send(command)));
-        sent.err().map(|why| refusal(&why))
+        sent.err().map(|why| wire::refusal(&why))
     }
 
     fn send(&self, command: ViewCommand) -> Result<(), String> {
@@ -156,8 +156,7 @@ impl Page<'_> {
     async fn send_newest(&self, sink: &mut Sink, seen: &mut Seen) -> Result<(), axum::Error> {
         if let Some(notice) = self.feed.notice_after(seen.notice) {
             seen.notice = notice.seq;
-            let text = serde_json::json!({"type": "notice", "text": notice.value});
-            sink.send(Message::Text(text.to_string().into())).await?;
+            sink.send(Message::Text(wire::notice(&notice.value).into())).await?;
         }
         let device = self.feed.device();
         if device.seq != seen.device {
@@ -183,8 +182,4 @@ struct Seen {
     frame: u64,
     notice: u64,
     device: u64,
-}
-
-fn refusal(why: &str) -> String {
-    serde_json::json!({"type": "refused", "text": why}).to_string()
 }

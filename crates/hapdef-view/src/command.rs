@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::params::Offers;
+use crate::offers::Offers;
 
 /// What people do on the page.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,10 +55,12 @@ pub const MOST_FINGERS: u32 = 5;
 pub(crate) enum PageMessage {
     /// The first one.
     Hello {
+        #[cfg_attr(not(feature = "server"), allow(dead_code, reason = "only a server has one"))]
         token: Option<String>,
     },
     /// A frame was taken: room for another. The number of the one that was drawn last.
     Got {
+        #[cfg_attr(not(feature = "server"), allow(dead_code, reason = "only a server counts"))]
         drawn: Option<u64>,
     },
     Tare,
@@ -165,7 +167,7 @@ fn press(
 #[cfg(test)]
 mod tests {
     use super::{PageMessage, ViewCommand};
-    use crate::params::{Offers, PressOffer};
+    use crate::offers::{Offers, PressOffer};
 
     fn read(text: &str, offers: &Offers) -> Result<Option<ViewCommand>, String> {
         PageMessage::parse(text)?.command(offers)

@@ -1,5 +1,6 @@
 //! What can go wrong.
 
+#[cfg(feature = "server")]
 use std::net::SocketAddr;
 
 use thiserror::Error;
@@ -8,20 +9,27 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum ViewError {
+    #[cfg(feature = "server")]
     #[error("cannot listen at {address}: {source}; give another port, or 0 for any free one")]
     Bind { address: SocketAddr, source: std::io::Error },
+    #[cfg(feature = "server")]
     #[error(
         "{address} listens on every network: name the host that browsers will use in `allowed_hosts`"
     )]
     NoHostNamed { address: SocketAddr },
+    #[cfg(feature = "server")]
     #[error("{found:?} is no host: expected a name or an address without scheme, port or path")]
     BadHost { found: String },
+    #[cfg(feature = "server")]
     #[error("a patience of 0 s would let every page go: expected some seconds")]
     NoPatience,
+    #[cfg(feature = "server")]
     #[error("a token has 32 hexadecimal digits, found {found} characters")]
     BadToken { found: usize },
+    #[cfg(feature = "server")]
     #[error("no random numbers from the system for a token: {text}; give a token instead")]
     NoRandomness { text: String },
+    #[cfg(feature = "server")]
     #[error("cannot start the page's thread: {source}")]
     Thread { source: std::io::Error },
     #[error("a press of {default_n} N at first and {max_n} N at most: expected 0 < first ≤ most")]

@@ -14,7 +14,7 @@ use crate::device::DeviceState;
 use crate::error::ViewError;
 use crate::frame::ViewFrame;
 use crate::guard::Guard;
-use crate::params::Offers;
+use crate::offers::Offers;
 use crate::picture::LimbPicture;
 use crate::token::Token;
 use crate::wire;

@@ -4,6 +4,7 @@ use std::net::{Ipv4Addr, SocketAddr};
 use std::time::Duration;
 
 use crate::error::ViewError;
+use crate::offers::Offers;
 use crate::token::Token;
 
 /// Where the page is served and what it offers.
@@ -20,26 +21,6 @@ pub struct ViewParams {
     pub offers: Offers,
     /// A page that answers no ping for so long is let go, and its place is free.
     pub patience: Duration,
-}
-
-/// What the page can ask for; a button shows only where it does something.
-#[derive(Clone, Debug, Default)]
-pub struct Offers {
-    /// Gauges can be tared.
-    pub tare: bool,
-    /// Recording can be turned on and off.
-    pub record: bool,
-    /// A virtual limb can be pressed.
-    pub press: Option<PressOffer>,
-}
-
-/// Presses of a virtual limb.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PressOffer {
-    /// Force at first, N.
-    pub default_n: f64,
-    /// Largest force, N.
-    pub max_n: f64,
 }
 
 impl Default for ViewParams {
@@ -66,16 +47,7 @@ impl ViewParams {
         if self.patience.is_zero() {
             return Err(ViewError::NoPatience);
         }
-        match self.offers.press {
-            Some(press)
-                if !(press.default_n > 0.0
-                    && press.default_n <= press.max_n
-                    && press.max_n.is_finite()) =>
-            {
-                Err(ViewError::BadPressOffer { default_n: press.default_n, max_n: press.max_n })
-            }
-            _ => Ok(()),
-        }
+        self.offers.check()
     }
 }
 
@@ -95,7 +67,7 @@ fn is_host(host: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Offers, PressOffer, ViewParams};
+    use super::ViewParams;
     use crate::error::ViewError;
 
     fn with_hosts(bind: &str, hosts: &[&str]) -> Result<(), ViewError> {
@@ -125,20 +97,6 @@ mod tests {
         for bad in ["", "http://a", "a:80", "a/b", "*", "[x]"] {
             let refused = with_hosts("127.0.0.1:0", &[bad]);
             assert!(matches!(refused, Err(ViewError::BadHost { .. })), "{bad}");
-        }
-    }
-
-    #[test]
-    fn a_press_needs_a_force() {
-        for (default_n, max_n) in [(0.0, 1.0), (2.0, 1.0), (1.0, f64::INFINITY), (f64::NAN, 1.0)] {
-            let params = ViewParams {
-                offers: Offers {
-                    press: Some(PressOffer { default_n, max_n }),
-                    ..Offers::default()
-                },
-                ..ViewParams::default()
-            };
-            assert!(params.check().is_err(), "{default_n} {max_n}");
         }
     }
 }

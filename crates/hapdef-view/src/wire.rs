@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::device::DeviceState;
 use crate::frame::{ContactMark, Displacement, Recording, ViewFrame};
-use crate::params::Offers;
+use crate::offers::Offers;
 use crate::picture::LimbPicture;
 
 /// Version of the messages.
@@ -83,6 +83,16 @@ pub(crate) fn device(state: &DeviceState) -> String {
     let DeviceState { is_simulated, fault } = state;
     let fault = fault.as_deref().map(hapdef_contact::printable);
     serde_json::json!({"type": "device", "simulated": is_simulated, "fault": fault}).to_string()
+}
+
+/// Words for whoever sees the page.
+pub(crate) fn notice(words: &str) -> String {
+    serde_json::json!({"type": "notice", "text": words}).to_string()
+}
+
+/// Why a message of the page is not obeyed.
+pub(crate) fn refusal(why: &str) -> String {
+    serde_json::json!({"type": "refused", "text": why}).to_string()
 }
 
 /// The surface: 16 bytes, vertices, normals, triangles.

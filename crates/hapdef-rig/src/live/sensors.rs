@@ -1,7 +1,7 @@
 //! An inertial unit and a sensor of force and torque at the flange, as channels beside the gauges.
 
+use hapdef_contact::LimbLoad;
 use hapdef_daq::hdp1::{Channel, ChannelKind};
-use hapdef_sim::LimbLoad;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -7,4 +7,4 @@ mod whole_limb;
 
 pub use nodal::NodalLoad;
 pub use patch::PressedSkin;
-pub use whole_limb::{LimbLoad, LoadedLimb};
+pub use whole_limb::LoadedLimb;

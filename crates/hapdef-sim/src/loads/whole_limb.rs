@@ -1,27 +1,10 @@
 //! Loads on a whole limb that are no contacts: what the next joint passes on, weight, motion, temperature.
 
+use hapdef_contact::LimbLoad;
 use hapdef_mesh::{FeNodeId, Tet10Mesh};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::{IsotropicMaterial, NodalLoad, SimError};
-
-/// One unit of a load on the whole limb. Directions 0, 1, 2 are x, y, z of the limb's frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum LimbLoad {
-    /// A newton along a direction on the flange, at [`LoadedLimb::flange_point_m`].
-    FlangeForce(usize),
-    /// A newton metre about a direction on the flange.
-    FlangeMoment(usize),
-    /// Weight less inertia of 1 m/s² along a direction: gravity g and the acceleration a of the limb's origin
-    /// make the specific force g − a.
-    SpecificForce(usize),
-    /// An angular acceleration of 1 rad/s² about a direction through the limb's origin.
-    AngularAcceleration(usize),
-    /// A product ωᵢ ωⱼ of angular rates of 1 rad²/s², i ≤ j: what is centrifugal about the limb's origin.
-    AngularRates(usize, usize),
-    /// The whole limb warmer by 1 K.
-    Temperature,
-}
 
 /// A limb that such loads act on.
 #[derive(Clone, Copy, Debug)]
@@ -38,32 +21,17 @@ pub struct LoadedLimb<'a> {
     pub flange_point_m: Point3<f64>,
 }
 
-impl LimbLoad {
-    /// All loads of a kind each: six through the flange, three of specific force, three of angular
-    /// acceleration, six of angular rates, one of temperature.
-    #[must_use]
-    pub fn all() -> Vec<Self> {
-        let each = |load: fn(usize) -> Self| (0..3).map(load);
-        let rates = (0..3).flat_map(|i| (i..3).map(move |j| Self::AngularRates(i, j)));
-        each(Self::FlangeForce)
-            .chain(each(Self::FlangeMoment))
-            .chain(each(Self::SpecificForce))
-            .chain(each(Self::AngularAcceleration))
-            .chain(rates)
-            .chain([Self::Temperature])
-            .collect()
-    }
-
-    /// One unit of this load as forces on the limb's nodes.
+impl LoadedLimb<'_> {
+    /// One unit of a load as forces on the limb's nodes.
     ///
     /// Inertia is that of a rigid body that moves with the mount, ρ (g − a − α × r − ω × (ω × r)) per volume
     /// (Goldstein, Classical Mechanics, 3rd ed., section 4.10): the limb's own vibrations are left out.
     ///
     /// # Errors
     /// [`SimError::Flange`] where the flange has too few nodes for a wrench.
-    pub fn on(self, limb: &LoadedLimb<'_>) -> Result<NodalLoad, SimError> {
+    pub fn unit(&self, load: LimbLoad) -> Result<NodalLoad, SimError> {
         let axis = |i: usize| Vector3::ith(i, 1.0);
-        let LoadedLimb { mesh, material, flange, flange_point_m, .. } = limb;
+        let Self { mesh, material, flange, flange_point_m, .. } = self;
         let inertia = |acceleration: &dyn Fn(&Vector3<f64>) -> Vector3<f64>| {
             let density = material.density_kg_m3();
             NodalLoad::body_force(mesh, |x| acceleration(&x.coords) * density)
@@ -71,13 +39,15 @@ impl LimbLoad {
         let wrench = |force_n, moment_nm| {
             NodalLoad::wrench(mesh, flange, flange_point_m, &force_n, &moment_nm)
         };
-        Ok(match self {
-            Self::FlangeForce(i) => wrench(axis(i), Vector3::zeros())?,
-            Self::FlangeMoment(i) => wrench(Vector3::zeros(), axis(i))?,
-            Self::SpecificForce(i) => inertia(&|_| axis(i)),
-            Self::AngularAcceleration(i) => inertia(&|r| -axis(i).cross(r)),
-            Self::AngularRates(i, j) => inertia(&|r| centrifugal(&axis(i), &axis(j), r)),
-            Self::Temperature => NodalLoad::thermal(mesh, material, limb.expansion_per_k, |_| 1.0),
+        Ok(match load {
+            LimbLoad::FlangeForce(i) => wrench(axis(i), Vector3::zeros())?,
+            LimbLoad::FlangeMoment(i) => wrench(Vector3::zeros(), axis(i))?,
+            LimbLoad::SpecificForce(i) => inertia(&|_| axis(i)),
+            LimbLoad::AngularAcceleration(i) => inertia(&|r| -axis(i).cross(r)),
+            LimbLoad::AngularRates(i, j) => inertia(&|r| centrifugal(&axis(i), &axis(j), r)),
+            LimbLoad::Temperature => {
+                NodalLoad::thermal(mesh, material, self.expansion_per_k, |_| 1.0)
+            }
         })
     }
 }
@@ -139,7 +109,7 @@ mod tests {
         let material = IsotropicMaterial::new(2e9, 0.3, 1200.0).expect("valid");
         let flange_point_m = Point3::new(0.13, 0.01, 0.02);
         let limb = LoadedLimb { mesh, material, expansion_per_k: 1e-4, flange, flange_point_m };
-        load.on(&limb).expect("a load")
+        limb.unit(load).expect("a load")
     }
 
     #[test]

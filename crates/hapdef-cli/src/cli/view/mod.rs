@@ -5,7 +5,6 @@ mod first_paint;
 mod opener;
 mod page_session;
 mod picture;
-mod ranges;
 mod show;
 mod sink;
 mod snapshots;

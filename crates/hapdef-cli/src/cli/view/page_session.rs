@@ -11,12 +11,11 @@ use hapdef_cli::shown;
 use hapdef_contact::printable;
 use hapdef_daq::record::PlayerControl;
 use hapdef_live::{LiveControl, LiveFrame};
-use hapdef_view::{ViewCommand, ViewHandle};
+use hapdef_view::{Ranges, ViewCommand, ViewHandle};
 
 use super::Shared;
 use super::first_paint::FirstPaint;
 use super::opener::PageOpener;
-use super::ranges::Ranges;
 use super::show::Show;
 use super::sink::lock;
 use super::snapshots::{Shown, Snapshots};

@@ -4,20 +4,18 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use hapdef_daq::record::PlayerControl;
-use hapdef_live::{Alternative, Contact, Health, LiveFrame, PhaseStatus, Touch};
+use hapdef_live::{Health, LiveFrame, PhaseStatus, Touch};
 use hapdef_rig::live::TrueContact;
-use hapdef_view::{ContactMark, Displacement, Recording, ReplayPosition, ViewFrame, ViewPusher};
+use hapdef_view::{
+    ContactMark, Displacement, Ranges, Recording, ReplayPosition, ViewFrame, ViewPusher,
+};
 
 use super::Shared;
 use super::picture::Surface;
-use super::ranges::Ranges;
 use crate::cli::live_record::LiveRecorderState;
 
 /// Delays that the shown quantiles come from.
 const N_DELAYS: usize = 256;
-/// Other explanations that are shown, and how probable they must be.
-const MOST_ALTERNATIVES: usize = 3;
-const LEAST_PROBABILITY: f64 = 0.05;
 
 /// Makes frames of the page and pushes them.
 pub(super) struct Show {
@@ -60,11 +58,8 @@ impl Show {
     pub(super) fn take(&mut self, frame: &LiveFrame, ranges: &Ranges) -> f64 {
         self.take_time(frame);
         self.take_readings(frame);
-        self.shown.ranges_ue.clone_from(&ranges.readings_ue);
         self.take_touch(&frame.touch);
-        for (place, mark) in self.shown.contacts.iter_mut().enumerate() {
-            mark.force_range_n = ranges.force_n(mark.contact.number(place));
-        }
+        self.shown.show_ranges(ranges);
         self.take_phase(frame);
         self.deform(&frame.touch);
         self.take_delay(frame);
@@ -74,7 +69,11 @@ impl Show {
     /// Takes what truly pressed when the frame was sampled.
     pub(super) fn take_truth(&mut self, contacts: &[TrueContact]) {
         self.shown.truths.clear();
-        let marks = contacts.iter().map(|contact| mark(&self.surface, contact.contact()));
+        let mark = |contact: &TrueContact| {
+            let contact = contact.contact();
+            ContactMark::new(contact, self.surface.normal_at(&contact.position_m))
+        };
+        let marks = contacts.iter().map(mark);
         self.shown.truths.extend(marks);
     }
 
@@ -145,7 +144,6 @@ impl Show {
     fn take_phase(&mut self, frame: &LiveFrame) {
         self.shown.phase = frame.phase;
         self.shown.is_stale = frame.is_stale;
-        self.shown.p_value = frame.touch.quality.map_or(f64::NAN, |quality| quality.p_value);
     }
 
     /// What is known while no frame comes.
@@ -160,14 +158,7 @@ impl Show {
 
     fn take_touch(&mut self, touch: &Touch) {
         let surface = &self.surface;
-        self.shown.contacts.clear();
-        self.shown.contacts.extend(touch.contacts.iter().map(|contact| mark(surface, *contact)));
-        self.shown.alternatives.clear();
-        for (probability, other) in probable(&touch.alternatives) {
-            let marks =
-                other.contacts().map(|(at, force_n)| mark(surface, Contact::new(at, force_n)));
-            self.shown.alternatives.push((probability, marks.collect()));
-        }
+        self.shown.show_touch(touch, |point| surface.normal_at(point));
     }
 
     fn deform(&mut self, touch: &Touch) {
@@ -205,43 +196,5 @@ impl Show {
         let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
         self.shown.health.latency_p50_us = at(0.5);
         self.shown.health.latency_p99_us = at(0.99);
-    }
-}
-
-/// The other explanations that are worth showing, with how probable they are beside the best one and
-/// each other: exp(−Δ/2), Δ in −2 ln evidence.
-fn probable(others: &[Alternative]) -> impl Iterator<Item = (f64, &Alternative)> {
-    let weight = |other: &Alternative| (-0.5 * other.delta_cost).exp();
-    let sum = 1.0 + others.iter().map(weight).sum::<f64>();
-    let others = others.iter().map(move |other| (weight(other) / sum, other));
-    let others = others.filter(|(probability, _)| *probability >= LEAST_PROBABILITY);
-    others.take(MOST_ALTERNATIVES)
-}
-
-fn mark(surface: &Surface, contact: Contact) -> ContactMark {
-    ContactMark { contact, normal: surface.normal_at(&contact.position_m), force_range_n: None }
-}
-
-#[cfg(test)]
-mod tests {
-    use nalgebra::Point3;
-
-    use super::{Alternative, probable};
-
-    fn other(delta_cost: f64) -> Alternative {
-        Alternative::new(delta_cost, [(Point3::origin(), 1.0)])
-    }
-
-    #[test]
-    fn explanations_are_shown_as_probable_as_their_evidence_says() {
-        // as good as the best one; e times and 20 times less probable; and one of no account
-        let others = [0.0, 2.0, 2.0 * 20.0_f64.ln(), 50.0].map(other);
-        let shown: Vec<f64> = probable(&others).map(|(p, _)| p).collect();
-        let sum = 2.0 + (-1.0_f64).exp() + 0.05;
-        assert_eq!(shown.len(), 2, "{shown:?}");
-        assert!((shown[0] - 1.0 / sum).abs() < 1e-9, "{shown:?}");
-        assert!((shown[1] - (-1.0_f64).exp() / sum).abs() < 1e-9);
-        assert_eq!(probable(&[0.0; 9].map(other)).count(), 3);
-        assert_eq!(probable(&[]).count(), 0);
     }
 }

@@ -5,10 +5,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use hapdef_daq::source::LinkState;
 use hapdef_live::{AnyError, Health, LiveEvent, LiveFrame, PhaseStatus, Sink, TareOutcome, Wants};
-use hapdef_view::{DeviceState, ViewPusher};
+use hapdef_view::{DeviceState, Ranges, ViewPusher};
 
 use super::Shared;
-use super::ranges::Ranges;
 
 /// Hands over the newest frame and says what happens.
 pub(crate) struct ViewSink {
@@ -40,7 +39,7 @@ impl Newest {
         }
         self.n_frames += 1;
         self.silence = None;
-        self.ranges.take(frame);
+        self.ranges.take(&frame.tared_ue, &frame.touch.contacts);
         self.frame.get_or_insert_with(|| LiveFrame::new(frame.raw_ue.len())).copy_from(frame);
     }
 

@@ -2,36 +2,25 @@
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::Result;
 use hapdef::{Limb, Run, VirtualRigParams, live_limb, virtual_device};
 use hapdef_daq::source::{StreamParams, StreamSource, memory_link};
 use hapdef_rig::live::{
-    LiveLimb, Play, PressHandle, Pressed, RandomScriptParams, RunParams, RunningRig, TrueContact,
-    TruthFrame, random_script, spawn_rig,
+    Hands, HandsParams, LiveLimb, PressHandle, RunParams, RunningRig, TrueContact, TruthFrame,
+    spawn_rig,
 };
-use nalgebra::Point3;
 
 use crate::cli::sim::{Simulated, truth_line};
 
-/// Contacts of the presses by itself, at most.
-const MOST_CONTACTS: usize = 2;
-/// Forces of the presses by itself, as shares of the scene's largest.
-const SHARES: (f64, f64) = (0.15, 0.6);
-/// From a release until it presses by itself again.
-const REST: Duration = Duration::from_secs(4);
-/// From the click of a press until it begins: what pressed before lets go, no contact jumps.
-const LIFT: Duration = Duration::from_millis(150);
-/// Number of the contact that the page's first finger presses.
-const BY_HAND: u32 = 1000;
 /// Frames of ground truth that the page can look back for: a quarter of a second at 1 kHz.
 const N_TRUTHS: usize = 256;
 
 /// The scene's virtual rig, running.
 pub(crate) struct Sim {
     limb: Arc<LiveLimb>,
-    play: Play,
+    hands: Hands,
     rig: RunningRig,
     truths: Truths,
 }
@@ -47,11 +36,13 @@ impl Sim {
         let real = Arc::new(live_limb(run, limb)?);
         let device = virtual_device(&run.scene, Arc::clone(&real), &VirtualRigParams::default())?;
         let contact = &run.scene.contact;
-        let largest_n = contact.force_range_n[1];
-        let range_n = (SHARES.0 * largest_n, SHARES.1 * largest_n);
-        let n = contact.max_contacts.min(MOST_CONTACTS);
-        let params = RandomScriptParams::new(n, contact.min_spacing_m, range_n, seed);
-        let play = Play::new(&random_script(&real, &params), &real)?;
+        let params = HandsParams {
+            max_contacts: contact.max_contacts,
+            spacing_m: contact.min_spacing_m,
+            largest_n: contact.force_range_n[1],
+            seed,
+        };
+        let hands = Hands::new(&real, &params)?;
         let (link, port) = memory_link();
         let (mut tell, truth) = truth_line();
         let truths = Truths::default();
@@ -61,7 +52,7 @@ impl Sim {
             tell(frame);
         };
         let rig = spawn_rig(device, port, RunParams::default(), tell)?;
-        let sim = Self { limb: real, play, rig, truths };
+        let sim = Self { limb: real, hands, rig, truths };
         let source = StreamSource::new(link, StreamParams::default());
         Ok(((Box::new(source), truth), sim))
     }
@@ -87,56 +78,33 @@ impl Truths {
 pub(super) struct VirtualPress {
     sim: Sim,
     press: PressHandle,
-    /// What each finger on the page presses.
-    by_hand: Vec<Pressed>,
-    clicked: Instant,
-    /// It presses by itself while nobody does.
-    is_random: bool,
-    rests_since: Option<Instant>,
-    start: Option<Instant>,
-    contacts: Vec<TrueContact>,
+    start: Instant,
 }
 
 impl VirtualPress {
     pub(super) fn new(sim: Sim) -> Self {
-        Self {
-            press: sim.rig.press_handle(),
-            sim,
-            by_hand: Vec::new(),
-            clicked: Instant::now(),
-            is_random: true,
-            rests_since: None,
-            start: None,
-            contacts: Vec::new(),
-        }
+        Self { press: sim.rig.press_handle(), sim, start: Instant::now() }
     }
 
     /// A finger presses there until it is lifted.
     pub(super) fn press(&mut self, finger: u32, point_m: [f64; 3], force_n: f64) {
-        if self.by_hand.is_empty() {
-            self.clicked = Instant::now();
-        }
-        let pressed = Pressed::normal(BY_HAND + finger, Point3::from(point_m), force_n);
-        match self.by_hand.iter_mut().find(|before| before.id == pressed.id) {
-            Some(before) => *before = pressed,
-            None => self.by_hand.push(pressed),
-        }
+        let now_s = self.now_s();
+        self.sim.hands.press(finger, point_m, force_n, now_s);
     }
 
     pub(super) fn lift(&mut self, finger: u32) {
-        self.by_hand.retain(|pressed| pressed.id != BY_HAND + finger);
-        self.rests_since = Some(Instant::now());
+        let now_s = self.now_s();
+        self.sim.hands.lift(finger, now_s);
     }
 
     pub(super) fn release(&mut self) {
-        self.by_hand.clear();
-        self.rests_since = Some(Instant::now());
+        let now_s = self.now_s();
+        self.sim.hands.release(now_s);
     }
 
     /// Whether it presses by itself while nobody does.
     pub(super) fn set_random(&mut self, is_random: bool) {
-        self.is_random = is_random;
-        self.rests_since = None;
+        self.sim.hands.set_random(is_random);
     }
 
     /// What pressed in the rig's frame of that number.
@@ -146,35 +114,19 @@ impl VirtualPress {
 
     /// What presses now; nothing while it tares.
     pub(super) fn step(&mut self, is_tared: bool) {
-        let rests = self.rests_since.is_some_and(|since| since.elapsed() < REST);
-        let pressed = match self.by_hand.as_slice() {
-            _ if !is_tared => Vec::new(),
-            [] if rests || !self.is_random => Vec::new(),
-            [] => self.by_itself(),
-            _ if self.clicked.elapsed() < LIFT => Vec::new(),
-            by_hand => by_hand.to_vec(),
-        };
-        self.press.set(pressed);
+        let now_s = self.now_s();
+        self.press.set(self.sim.hands.pressed(&self.sim.limb, is_tared, now_s));
     }
 
-    fn by_itself(&mut self) -> Vec<Pressed> {
-        let t_s = self.start.get_or_insert_with(Instant::now).elapsed().as_secs_f64();
-        self.contacts.clear();
-        self.sim.play.at(t_s, &self.sim.limb, &mut self.contacts);
-        let pressed = |contact: &TrueContact| Pressed {
-            id: contact.id,
-            position_m: contact.position_m,
-            force_n: contact.force_n,
-            shear_n: contact.shear_n,
-        };
-        self.contacts.iter().map(pressed).collect()
+    fn now_s(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use hapdef_rig::live::SurfacePoint;
-    use nalgebra::Vector3;
+    use nalgebra::{Point3, Vector3};
 
     use super::*;
 
