@@ -44,6 +44,8 @@
 //! # Ok::<(), hapdef_live::LiveError>(())
 //! ```
 //!
+//! Where there are no threads, as in a browser, [`LiveBuilder::in_steps`] gives the same in [`LiveSteps`].
+//!
 //! With the feature `nets` the paper's chain ([`estimator::Hapdefx`]) is among the estimators; a scene that
 //! chooses it has its trained nets in the bundle.
 //!
@@ -72,7 +74,7 @@ pub use hapdef_contact::{
 };
 pub use health::{ClientHealth, Health, Latency, SinkHealth, StageTimes};
 pub use runtime::channels::gauge_channels;
-pub use runtime::{BLIND_SHARE, Live, LiveBuilder, LiveControl, LiveGauge, LiveParams};
+pub use runtime::{BLIND_SHARE, Live, LiveBuilder, LiveControl, LiveGauge, LiveParams, LiveSteps};
 pub use signals::{GivenLoads, LoadSignal, UnknownSignal};
 pub use sink::{Delivery, FnSink, LiveEvent, PhaseStatus, Sink, Wants};
 pub use tare_fault::{Retare, TareFault, TareFaultKind, TareOutcome};

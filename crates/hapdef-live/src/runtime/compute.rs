@@ -11,11 +11,11 @@ use std::time::Duration;
 use hapdef_contact::TouchPhase;
 use hapdef_daq::hdp1::Hello;
 use hapdef_daq::source::LinkState;
-use hapdef_daq::{Acquisition, Frame, Message, Receiver, without_realtime};
+use hapdef_daq::{AcquireStats, Frame, Message, Receiver, without_realtime};
 
 use super::counts::Counts;
 use super::device::Device;
-use super::sink_worker::SinkWorker;
+use super::outlet::Outlet;
 use super::stages::{Stage, Stages};
 use super::trust::{Signs, Trust};
 use super::{LiveGauge, LiveParams, Shared};
@@ -46,12 +46,14 @@ pub(super) struct Setup {
     pub(super) source_name: String,
 }
 
+/// What came to pass at the source.
+pub(super) type TellStats = Box<dyn Fn() -> Arc<AcquireStats> + Send>;
+
 /// The thread's state.
 pub(super) struct Compute {
     setup: Setup,
-    acquisition: Acquisition,
-    receiver: Receiver,
-    workers: Vec<SinkWorker>,
+    stats: TellStats,
+    outlets: Vec<Box<dyn Outlet>>,
     shared: Arc<Shared>,
     device: Option<Device>,
     conditioning: Option<Conditioning>,
@@ -70,9 +72,8 @@ pub(super) struct Compute {
 impl Compute {
     pub(super) fn new(
         setup: Setup,
-        acquisition: Acquisition,
-        receiver: Receiver,
-        workers: Vec<SinkWorker>,
+        stats: TellStats,
+        outlets: Vec<Box<dyn Outlet>>,
         shared: Arc<Shared>,
     ) -> Self {
         let start_ns = setup.params.clock.now_ns();
@@ -80,9 +81,8 @@ impl Compute {
             frame: empty(setup.n_gauges.unwrap_or(0)),
             trust: Trust::new(setup.params.stale_after, setup.params.unknown_after, start_ns),
             setup,
-            acquisition,
-            receiver,
-            workers,
+            stats,
+            outlets,
             shared,
             device: None,
             conditioning: None,
@@ -97,31 +97,44 @@ impl Compute {
     }
 
     /// Until the source has ended or it is stopped.
-    pub(super) fn run(mut self) {
+    pub(super) fn run(mut self, mut receiver: Receiver) {
         if let Some(priority) = self.setup.params.computing_priority() {
             // The reader says what is refused.
             let _ = hapdef_daq::enter_realtime(priority);
         }
         while !self.shared.stop.load(Ordering::Acquire) {
-            let is_last = self.receiver.has_ended();
-            match self.receiver.recv(POLL) {
-                Some(message) => {
-                    self.shared.n_taken.fetch_add(1, Ordering::Release);
-                    self.message(message);
-                }
+            let is_last = receiver.has_ended();
+            match receiver.recv(POLL) {
+                Some(message) => self.take_in(message),
                 None if is_last => break,
                 None => {}
             }
-            if self.shared.tare.swap(false, Ordering::AcqRel) {
-                self.tare();
-            }
-            self.wait();
-            if self.now_ns() >= self.second_ns + SECOND_NS {
-                self.tell_health();
-            }
+            self.turn();
         }
+        self.end();
+    }
+
+    /// Takes a message of the source.
+    pub(super) fn take_in(&mut self, message: Message) {
+        self.shared.n_taken.fetch_add(1, Ordering::Release);
+        self.message(message);
+    }
+
+    /// What is to be done now and then beside messages.
+    pub(super) fn turn(&mut self) {
+        if self.shared.tare.swap(false, Ordering::AcqRel) {
+            self.tare();
+        }
+        self.wait();
+        if self.now_ns() >= self.second_ns + SECOND_NS {
+            self.tell_health();
+        }
+    }
+
+    /// There will be no more messages.
+    pub(super) fn end(&mut self) {
         self.tell_health();
-        self.workers.iter_mut().for_each(SinkWorker::end);
+        self.outlets.iter_mut().for_each(|outlet| outlet.end());
     }
 
     fn message(&mut self, message: Message) {
@@ -176,8 +189,8 @@ impl Compute {
         // When a recorded frame was done says nothing, and a replay is to be the same each time.
         self.frame.t_done_ns =
             if self.setup.params.is_recorded { frame.t_host_ns } else { done_ns };
-        for worker in &mut self.workers {
-            worker.frame(&self.frame, &self.shared.stop);
+        for outlet in &mut self.outlets {
+            outlet.frame(&self.frame, &self.shared.stop);
         }
         let end_ns = self.now_ns();
         let stages = &mut self.stages;
@@ -315,13 +328,13 @@ impl Compute {
     }
 
     fn tell(&mut self, event: &LiveEvent) {
-        self.workers.iter_mut().for_each(|worker| worker.event(event));
+        self.outlets.iter_mut().for_each(|outlet| outlet.event(event));
     }
 
     fn tell_health(&mut self) {
         let now_ns = self.now_ns();
         let passed_s = (now_ns - self.second_ns) as f64 * 1e-9;
-        let stats = self.acquisition.stats();
+        let stats = (self.stats)();
         let (second, total) = self.stages.end_second();
         let n_new = self.counts.n_frames - self.n_before;
         let has_frames = self.counts.n_frames > self.counts.n_unusable;
@@ -340,7 +353,7 @@ impl Compute {
             gauges: self.frame.gauges.clone(),
             second,
             total,
-            sinks: self.workers.iter().map(SinkWorker::health).collect(),
+            sinks: self.outlets.iter().map(|outlet| outlet.health()).collect(),
             ..Health::default()
         };
         self.counts.fill(&mut health);

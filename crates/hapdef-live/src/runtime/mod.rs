@@ -6,9 +6,11 @@ mod counts;
 mod device;
 mod frozen;
 mod noise;
+mod outlet;
 mod sink_worker;
 mod source;
 mod stages;
+mod steps;
 mod trust;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -26,12 +28,14 @@ use crate::error::{LiveError, check_not_negative, check_positive};
 use crate::estimator::TouchEstimator;
 use crate::health::Health;
 use crate::runtime::compute::{Compute, Setup};
+use crate::runtime::outlet::Outlet;
 use crate::runtime::sink_worker::{SinkThread, SinkWorker};
 use crate::runtime::source::{InFlight, LiveSource};
 use crate::signals::GivenLoads;
 use crate::sink::{Sink, Wants};
 use crate::tare_fault::Retare;
 
+pub use steps::LiveSteps;
 pub use trust::BLIND_SHARE;
 
 /// How long a sink may take to end, unless the runtime is lossless.
@@ -224,47 +228,54 @@ impl LiveBuilder {
     /// # Errors
     /// [`LiveError::Parameter`], [`LiveError::NoEstimator`], [`LiveError::FrameLength`] where gauges
     /// and estimator don't fit, [`LiveError::Thread`].
-    pub fn start(self) -> Result<Live, LiveError> {
+    pub fn start(mut self) -> Result<Live, LiveError> {
+        let sinks = std::mem::take(&mut self.sinks);
+        let wants = self.wanted(&sinks)?;
+        let (setup, source) = self.setup(wants)?;
+        let shared = Arc::new(Shared::new());
+        let params = &setup.params;
+        let is_lossless = params.is_lossless;
+        let in_flight = is_lossless.then(|| InFlight::new(&shared, params.ring_len));
+        let acquire_params = AcquireParams {
+            n_receivers: 1 + params.n_receivers,
+            ring_len: InFlight::ring_len(is_lossless, params.ring_len),
+            realtime_priority: params.realtime_priority,
+        };
+        let mut outlets: Vec<Box<dyn Outlet>> = Vec::with_capacity(sinks.len());
+        let mut threads = Vec::with_capacity(sinks.len());
+        for (index, sink) in sinks.into_iter().enumerate() {
+            let (worker, thread) =
+                SinkWorker::start(sink, setup.n_gauges.unwrap_or(0), is_lossless)?;
+            outlets.push(Box::new(worker));
+            threads.extend(thread.map(|thread| (index, thread)));
+        }
+        let source = LiveSource::new(source, in_flight);
+        let (acquisition, mut receivers) = acquire(source, acquire_params)?;
+        let receiver = receivers.remove(0);
+        let stats = Box::new(move || acquisition.stats());
+        let compute = Compute::new(setup, stats, outlets, Arc::clone(&shared));
+        let compute = spawn("hapdef-compute", move || compute.run(receiver))?;
+        Ok(Live { shared, compute: Some(compute), sinks: threads, receivers, is_lossless })
+    }
+
+    /// What frames are computed with, and the source; sinks are for whoever calls them.
+    fn setup(self, wants: Wants) -> Result<(Setup, Box<dyn FrameSource>), LiveError> {
         self.params.check()?;
         let n_gauges = self.n_gauges()?;
-        let wants = self.wanted()?;
         if let Some(n_gauges) = n_gauges {
             self.given.check(n_gauges)?;
         }
-        let shared = Arc::new(Shared::new());
-        let params = self.params;
-        let source_name = self.source.name();
-        let in_flight = params.is_lossless.then(|| InFlight::new(&shared, params.ring_len));
-        let acquire_params = AcquireParams {
-            n_receivers: 1 + params.n_receivers,
-            ring_len: InFlight::ring_len(params.is_lossless, params.ring_len),
-            realtime_priority: params.realtime_priority,
-        };
-        let mut workers = Vec::with_capacity(self.sinks.len());
-        let mut sinks = Vec::with_capacity(self.sinks.len());
-        for (index, sink) in self.sinks.into_iter().enumerate() {
-            let (worker, thread) =
-                SinkWorker::start(sink, n_gauges.unwrap_or(0), params.is_lossless)?;
-            workers.push(worker);
-            sinks.extend(thread.map(|thread| (index, thread)));
-        }
-        let source = LiveSource::new(self.source, in_flight);
-        let (acquisition, mut receivers) = acquire(source, acquire_params)?;
-        let receiver = receivers.remove(0);
-        let is_lossless = params.is_lossless;
         let setup = Setup {
-            noise_ue: params.noise_ue.unwrap_or(self.noise_ue),
-            params,
+            noise_ue: self.params.noise_ue.unwrap_or(self.noise_ue),
+            params: self.params,
             gauges: self.gauges,
             n_gauges,
             given: self.given,
             estimator: self.estimator,
             wants,
-            source_name,
+            source_name: self.source.name(),
         };
-        let compute = Compute::new(setup, acquisition, receiver, workers, Arc::clone(&shared));
-        let compute = spawn("hapdef-compute", move || compute.run())?;
-        Ok(Live { shared, compute: Some(compute), sinks, receivers, is_lossless })
+        Ok((setup, self.source))
     }
 
     /// Gauges of a frame, where that is known before the device says so.
@@ -279,12 +290,12 @@ impl LiveBuilder {
         }
     }
 
-    fn wanted(&self) -> Result<Wants, LiveError> {
-        let mut asking = self.sinks.iter().filter(|sink| sink.wants().has_contacts());
+    fn wanted(&self, sinks: &[Box<dyn Sink>]) -> Result<Wants, LiveError> {
+        let mut asking = sinks.iter().filter(|sink| sink.wants().has_contacts());
         if let (None, Some(sink)) = (&self.estimator, asking.next()) {
             return Err(LiveError::NoEstimator { sink: sink.name() });
         }
-        let each = self.sinks.iter().map(|sink| sink.wants());
+        let each = sinks.iter().map(|sink| sink.wants());
         Ok(each.fold(Wants::NOTHING, Wants::or))
     }
 }

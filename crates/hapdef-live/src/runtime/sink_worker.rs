@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
+use super::outlet::Outlet;
 use super::spawn;
 use crate::error::{AnyError, LiveError};
 use crate::frame::{LiveFrame, Missed};
@@ -118,8 +119,13 @@ impl SinkWorker {
         Ok((worker, Some(SinkThread { handle, counts })))
     }
 
-    /// Hands a frame over; waits for nobody unless the runtime is lossless and does not `stop`.
-    pub(super) fn frame(&mut self, frame: &LiveFrame, stop: &AtomicBool) {
+    fn wake(&self) {
+        self.thread.iter().for_each(Thread::unpark);
+    }
+}
+
+impl Outlet for SinkWorker {
+    fn frame(&mut self, frame: &LiveFrame, stop: &AtomicBool) {
         let is_shown = match &mut self.path {
             Path::Closed => return,
             Path::Direct(sink) => {
@@ -149,8 +155,7 @@ impl SinkWorker {
         self.wake();
     }
 
-    /// Hands an event over.
-    pub(super) fn event(&mut self, event: &LiveEvent) {
+    fn event(&mut self, event: &LiveEvent) {
         if matches!(event, LiveEvent::Health(_)) && !self.wants.health {
             return;
         }
@@ -168,8 +173,7 @@ impl SinkWorker {
         self.wake();
     }
 
-    /// There will be no more.
-    pub(super) fn end(&mut self) {
+    fn end(&mut self) {
         if let Path::Direct(sink) = &mut self.path
             && let Err(error) = sink.finish()
         {
@@ -179,12 +183,8 @@ impl SinkWorker {
         self.wake();
     }
 
-    pub(super) fn health(&self) -> SinkHealth {
+    fn health(&self) -> SinkHealth {
         self.counts.health()
-    }
-
-    fn wake(&self) {
-        self.thread.iter().for_each(Thread::unpark);
     }
 }
 

@@ -4,6 +4,7 @@ use std::io::{ErrorKind, Write};
 use std::net::TcpListener;
 #[cfg(unix)]
 use std::os::unix::net::UnixListener;
+#[cfg(unix)]
 use std::path::PathBuf;
 use std::sync::{Arc, PoisonError};
 

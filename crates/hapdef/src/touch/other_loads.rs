@@ -47,7 +47,7 @@ pub(super) fn of_response(
         if load == LimbLoad::Temperature && model.shell.is_some() {
             return Err(HapdefError::ShellTemperature);
         }
-        let load = model.load(&load.on(&limb)?);
+        let load = model.load(&limb.unit(load)?);
         let mut solved = (0..response.n_gauges()).map(GaugeId::from_index);
         let row = gauges.iter().map(|gauge| match gauge.as_ref().and_then(|_| solved.next()) {
             Some(gauge) => response.reading(gauge, &load) * 1e6,

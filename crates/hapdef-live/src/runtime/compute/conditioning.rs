@@ -198,7 +198,8 @@ impl Compute {
         sight.and_then(|sight| sight.loads).cloned().unwrap_or_default()
     }
 
-    pub(super) fn tare(&mut self) {
+    /// Takes a new tare of the next frames.
+    pub(in super::super) fn tare(&mut self) {
         if let Some(conditioning) = &mut self.conditioning {
             conditioning.conditioner.tare();
             conditioning.noise.start_over();
