@@ -33,6 +33,7 @@ pub(crate) const ASSETS: &[Asset] = &[
     asset!("/icon.svg", "icon.svg", SVG),
     asset!("/js/main.js", "js/main.js", JS),
     asset!("/js/link.js", "js/link.js", JS),
+    asset!("/js/reading.js", "js/reading.js", JS),
     asset!("/js/wire.js", "js/wire.js", JS),
     asset!("/js/history.js", "js/history.js", JS),
     asset!("/js/colour.js", "js/colour.js", JS),

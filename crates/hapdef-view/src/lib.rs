@@ -8,7 +8,7 @@
 //! only to the hosts that are allowed; commands need the [`Token`] of [`ViewHandle::url`].
 //!
 //! Without the feature `server` there are the messages alone: a [`LocalPage`] makes them for a page that
-//! is reached otherwise, as in a browser that runs the whole program.
+//! is reached otherwise, as in a browser that runs the whole program; [`static_files`] are that page.
 //!
 //! `docs/view.md` has the messages on the wire byte by byte. This crate knows nothing of how
 //! contacts are found.
@@ -37,6 +37,8 @@ mod ranges;
 #[cfg(feature = "server")]
 mod server;
 #[cfg(feature = "server")]
+mod static_page;
+#[cfg(feature = "server")]
 mod token;
 mod wire;
 
@@ -54,5 +56,7 @@ pub use picture::{GaugeSite, LimbPicture};
 pub use ranges::Ranges;
 #[cfg(feature = "server")]
 pub use server::{ViewHandle, ViewPusher, ViewServer};
+#[cfg(feature = "server")]
+pub use static_page::{STATIC_MODEL, STATIC_MODULE, StaticFile, static_files};
 #[cfg(feature = "server")]
 pub use token::Token;

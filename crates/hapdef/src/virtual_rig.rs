@@ -116,6 +116,20 @@ pub fn virtual_device(
     limb: Arc<LiveLimb>,
     params: &VirtualRigParams,
 ) -> Result<RigDevice, HapdefError> {
+    let (electronics, device) = virtual_chain(scene, params);
+    let largest = limb.largest_ue(scene.contact.force_range_n[1]);
+    let electronics = LiveElectronics::new(electronics, params.rate_hz, &largest)?;
+    let script = params.script.as_ref();
+    let play = script.map(|script| Play::new(script, &limb)).transpose()?;
+    Ok(RigDevice::new(limb, play, electronics, device)?)
+}
+
+/// The scene's measuring chain, and the device around it.
+#[must_use]
+pub fn virtual_chain(
+    scene: &Scene,
+    params: &VirtualRigParams,
+) -> (LiveElectronicsParams, RigDeviceParams) {
     let live = scene.rig.live.clone().unwrap_or_default();
     let mut electronics = electronics_params(scene, &live);
     let mut drift_ppm = live.drift_ppm;
@@ -125,22 +139,17 @@ pub fn virtual_device(
             drift_ppm = *ppm;
         }
     }
-    let largest = limb.largest_ue(scene.contact.force_range_n[1]);
-    let electronics = LiveElectronics::new(electronics, params.rate_hz, &largest)?;
-    let script = params.script.as_ref();
-    let play = script.map(|script| Play::new(script, &limb)).transpose()?;
     let names = scene.gauges.sites.iter().map(|site| site.name.clone());
+    let sensors = |spec: LoadSensorsSpec| load_sensor_params(&spec, scene.rig.electronics.seed);
     let device = RigDeviceParams {
         rate_hz: params.rate_hz,
         drift_ppm,
         names: names.collect(),
         has_temperature: live.temperature_channel,
-        load_sensors: live
-            .load_sensors
-            .map(|spec| load_sensor_params(&spec, scene.rig.electronics.seed)),
+        load_sensors: live.load_sensors.map(sensors),
         ..RigDeviceParams::default()
     };
-    Ok(RigDevice::new(limb, play, electronics, device)?)
+    (electronics, device)
 }
 
 fn load_sensor_params(spec: &LoadSensorsSpec, seed: u64) -> LoadSensorParams {

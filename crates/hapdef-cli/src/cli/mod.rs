@@ -43,6 +43,7 @@ mod shell;
 mod signals;
 mod sim;
 mod stage;
+mod static_page;
 mod table;
 mod topic;
 mod truth;
@@ -133,6 +134,8 @@ enum Command {
     Doctor(doctor::DoctorArgs),
     /// One file with everything that a robot needs to find contacts.
     Bundle(bundle::BundleArgs),
+    /// The live page of the virtual limb as static files, with the whole program in the browser.
+    Page(static_page::PageArgs),
     /// Contacts from a stream of frames: a device, a recording.
     Live(Box<live::LiveArgs>),
     /// The limb's compliance and the simulated rig's response.
@@ -210,6 +213,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Export(args) => export::run(args),
         Command::Doctor(args) => doctor::run(args),
         Command::Bundle(args) => bundle::run(args),
+        Command::Page(args) => static_page::run(args),
         Command::Live(args) => live::run(args),
         Command::Simulate(args) => {
             stage::run_until(&args.scene.prepare()?, Until::Simulate, args.json)

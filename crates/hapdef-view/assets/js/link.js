@@ -1,6 +1,6 @@
 // The connection: greets with the token of the address, comes back when the server does.
 
-import { kindOf, readSurface } from "./wire.js";
+import { Reading } from "./reading.js";
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 2000;
@@ -16,6 +16,7 @@ const LOOK_MS = 250;
 export class Link {
   constructor(on) {
     this.on = on;
+    this.reading = new Reading(on);
     this.wait = FIRST_WAIT_MS;
     this.token = new URLSearchParams(location.hash.slice(1)).get("token");
     this.heard = performance.now();
@@ -32,7 +33,7 @@ export class Link {
   }
 
   connect() {
-    this.hello = null;
+    this.reading.begin();
     const socket = new WebSocket(`ws://${location.host}/live`);
     this.socket = socket;
     socket.binaryType = "arraybuffer";
@@ -53,21 +54,8 @@ export class Link {
 
   read(data) {
     this.heard = performance.now();
-    if (this.hello?.isRead) this.on.state("live");
-    if (typeof data === "string") {
-      const message = JSON.parse(data);
-      if (message.type === "hello") this.hello = message;
-      else if (message.type === "device") this.on.device(message);
-      else if (message.type === "alive") return;
-      else this.on.text(message);
-    } else if (kindOf(data) === 1) {
-      this.wait = FIRST_WAIT_MS;
-      this.on.state("live");
-      this.on.hello(this.hello, readSurface(data));
-      this.hello.isRead = true;
-    } else {
-      this.on.frame(data);
-    }
+    if (this.reading.isGreeted) this.on.state("live");
+    if (this.reading.take(data)) this.wait = FIRST_WAIT_MS;
   }
 
   /** Sends a command; false: there is no connection. */

@@ -17,7 +17,7 @@ import { Stage } from "./stage.js";
 import { put } from "./text.js";
 import { matches, millimetres, TruthRings } from "./truth.js";
 
-const STATES = { live: "live", away: "reconnecting", silent: "no answer", locked: "needs its token" };
+const STATES = { live: "live", away: "reconnecting", silent: "no answer", locked: "needs its token", failed: "does not run" };
 const SAY_MS = 4000;
 /** How near to a gauge a pointer looks at it, CSS pixels. */
 const NEAR_PX = 14;

@@ -17,6 +17,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 use anyhow::{Result, ensure};
 use clap::Args;
+use hapdef::scene::Scene;
 use hapdef::{ComplianceTable, Limb, Run};
 use hapdef_daq::record::PlayerControl;
 use hapdef_live::{Bundle, LiveControl};
@@ -137,10 +138,8 @@ impl ViewArgs {
         origin: Origin,
         out: &Path,
     ) -> Result<View> {
-        let force_n = run.scene.contact.force_range_n[1];
-        let press = PressOffer { default_n: 0.4 * force_n, max_n: force_n };
         let picture = picture::of_scene(run, limb)?;
-        View::start(self, picture, (origin, press), out)
+        View::start(self, picture, (origin, press_offer(&run.scene)), out)
     }
 
     /// The page with a bundle's skin.
@@ -148,6 +147,17 @@ impl ViewArgs {
         let press = PressOffer { default_n: 1.0, max_n: 1.0 };
         View::start(self, picture::of_bundle(bundle), (origin, press), out)
     }
+}
+
+/// Presses of a scene's virtual limb.
+pub(crate) fn press_offer(scene: &Scene) -> PressOffer {
+    let force_n = scene.contact.force_range_n[1];
+    PressOffer { default_n: 0.4 * force_n, max_n: force_n }
+}
+
+/// A scene's limb, as the page draws it.
+pub(crate) fn scene_picture(run: &Run, limb: &Limb) -> Result<LimbPicture> {
+    Ok(picture::of_scene(run, limb)?.0)
 }
 
 impl View {
