@@ -10,7 +10,7 @@ use crate::test::Tests;
 use crate::tool::{cargo, metadata, results, root, run, run_quietly, shown};
 use crate::{
     book, docs, first_minute, fixtures, frontier, fuzz, metrics, package, python, repro,
-    robustness, soak, tidy, verify, weight,
+    robustness, soak, tidy, verify, wasm, weight,
 };
 use anyhow::{Context, Result, bail};
 
@@ -86,6 +86,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
             steps.run("limits page", frontier::check)?;
             steps.run("fixtures", || fixtures::make(true))?;
             steps.run("book", || book::make(&BookArgs::default()))?;
+            steps.run("page in the browser", wasm::check)?;
             steps.run("tests of the wheel", || {
                 wheel.as_ref().map_or(Ok(()), |wheel| python::test_wheel(wheel, is_nightly))
             })?;

@@ -30,6 +30,7 @@ mod test;
 mod tidy;
 mod tool;
 mod verify;
+mod wasm;
 mod weight;
 
 use std::process::ExitCode;
@@ -111,6 +112,11 @@ enum Task {
     /// The live page in a headless Chromium, which it installs as root: its tests.
     #[command(after_help = "Example:\n  cargo xtask browser")]
     Browser,
+    /// The page with the whole program in the browser, as a folder of static files, tested in a headless Chromium.
+    #[command(
+        after_help = "Examples:\n  cargo xtask wasm\n  cargo xtask wasm --untested --out page"
+    )]
+    Wasm(wasm::WasmArgs),
     /// The pictures of the docs, from the pages that the other commands have written.
     #[command(
         after_help = "Example:\n  cargo xtask pictures report shin-rigidity --into target/pictures"
@@ -175,6 +181,7 @@ fn run(task: Task) -> Result<()> {
         Task::Fuzz(args) => fuzz::run(&args),
         Task::Soak(args) => soak::run(&args),
         Task::Browser => browser::test(),
+        Task::Wasm(args) => wasm::make(&args),
         Task::Pictures(args) => pictures::run_some(&args),
         Task::Python => python::check(),
         Task::Weight(args) => weight::run(&args),

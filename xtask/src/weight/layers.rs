@@ -18,7 +18,7 @@ pub(super) struct Layers {
 }
 
 /// From the bottom up; the last is everything that the command line has.
-pub(super) const LAYERS: [Layers; 17] = [
+pub(super) const LAYERS: [Layers; 18] = [
     plain("kmax", "hapdef-kmax").with("points"),
     plain("data", "hapdef-data"),
     plain("mesh", "hapdef-mesh"),
@@ -32,8 +32,9 @@ pub(super) const LAYERS: [Layers; 17] = [
     plain("robot_serial", ROBOT).with("hapdef-daq/serial"),
     plain("robot_nets", ROBOT).with("nets").limited(),
     plain("ros", "hapdef-ros"),
-    plain("rig", "hapdef-rig"),
-    plain("view", "hapdef-view"),
+    plain("rig", "hapdef-rig").with("solve"),
+    plain("view", "hapdef-view").with("server"),
+    plain("wasm", "hapdef-wasm"),
     plain("report", "hapdef-report"),
     plain("program", "hapdef-cli"),
 ];

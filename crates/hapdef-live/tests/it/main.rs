@@ -13,6 +13,7 @@ mod drift_laws;
 mod runtime;
 mod sinks;
 mod stalled_client;
+mod steps;
 mod support;
 mod tare;
 mod tare_laws;

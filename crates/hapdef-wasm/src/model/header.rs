@@ -11,12 +11,21 @@ use serde::{Deserialize, Serialize};
 pub(super) const VERSION: u32 = 1;
 /// The metadata entry with the header.
 pub(super) const ENTRY: &str = "hapdef_page";
+/// The bundle's file: most of it are numbers of eight bytes.
 pub(super) const BUNDLE: &str = "bundle";
 pub(super) const INWARD: &str = "inward";
 pub(super) const COLUMNS: &str = "columns_ue_per_n";
 pub(super) const VERTICES: &str = "vertices_m";
 pub(super) const NORMALS: &str = "normals";
 pub(super) const TRIANGLES: &str = "triangles";
+
+/// Width of the numbers of a part, by which its bytes are split.
+pub(super) fn width(part: &str) -> usize {
+    match part {
+        BUNDLE | INWARD => 8,
+        _ => 4,
+    }
+}
 
 /// The header of the file.
 #[derive(Clone, Debug, Deserialize, Serialize)]

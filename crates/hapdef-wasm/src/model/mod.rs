@@ -1,6 +1,7 @@
 //! The one file of a static page: the limb's bundle, its virtual rig, and how it is drawn.
 
 mod header;
+mod planes;
 mod read;
 mod write;
 

@@ -6,12 +6,12 @@ use flate2::read::GzDecoder;
 use hapdef_live::Bundle;
 use hapdef_view::LimbPicture;
 use nalgebra::Vector3;
-use safetensors::tensor::{Dtype, SafeTensors, TensorView};
+use safetensors::tensor::{Dtype, SafeTensors};
 
 use super::header::{
-    BUNDLE, COLUMNS, ENTRY, Header, INWARD, NORMALS, TRIANGLES, VERSION, VERTICES,
+    BUNDLE, COLUMNS, ENTRY, Header, INWARD, NORMALS, TRIANGLES, VERSION, VERTICES, width,
 };
-use super::{PageModel, sites};
+use super::{PageModel, planes, sites};
 use crate::error::PageError;
 
 /// Most bytes that a model may unpack to.
@@ -29,12 +29,12 @@ impl PageModel {
         let header = header(&bytes)?;
         let parts = Parts(SafeTensors::deserialize(&bytes).map_err(|error| refused(&error))?);
         let bundle = parts.get(BUNDLE, Dtype::U8, None)?;
-        let bundle = Bundle::from_bytes(bundle.data(), "the page's model")?;
+        let bundle = Bundle::from_bytes(&bundle.bytes, "the page's model")?;
         let (n_nodes, n_gauges) = (bundle.skin().n_nodes(), bundle.info.gauges.len());
         let inward = parts.get(INWARD, Dtype::F64, Some(vec![n_nodes, 3]))?;
         let columns = parts.get(COLUMNS, Dtype::F32, Some(vec![n_nodes, n_gauges, 3]))?;
         let vertices = parts.get(VERTICES, Dtype::F32, None)?;
-        let normals = parts.get(NORMALS, Dtype::F32, Some(vertices.shape().to_vec()))?;
+        let normals = parts.get(NORMALS, Dtype::F32, Some(vertices.shape.clone()))?;
         let triangles = parts.get(TRIANGLES, Dtype::U32, None)?;
         let columns = f32s(&columns);
         let picture = LimbPicture {
@@ -75,21 +75,27 @@ fn refused(error: &impl ToString) -> PageError {
 
 struct Parts<'a>(SafeTensors<'a>);
 
-impl<'a> Parts<'a> {
+struct Part {
+    shape: Vec<usize>,
+    bytes: Vec<u8>,
+}
+
+impl Parts<'_> {
     /// A list of that kind and shape; without one a list, or rows of three.
     fn get(
         &self,
         part: &'static str,
         dtype: Dtype,
         shape: Option<Vec<usize>>,
-    ) -> Result<TensorView<'a>, PageError> {
+    ) -> Result<Part, PageError> {
         let view = self.0.tensor(part).map_err(|error| refused(&error))?;
         let is_shaped = match &shape {
             Some(shape) => view.shape() == shape,
             None => matches!(view.shape(), [_] | [_, 3]),
         };
         if view.dtype() == dtype && is_shaped {
-            return Ok(view);
+            let bytes = planes::joined(view.data(), width(part));
+            return Ok(Part { shape: view.shape().to_vec(), bytes });
         }
         let shape = shape.map_or_else(|| "[n] or [n, 3]".to_owned(), |shape| format!("{shape:?}"));
         Err(PageError::Part {
@@ -101,12 +107,12 @@ impl<'a> Parts<'a> {
 }
 
 /// Rows of three words.
-fn words<const N: usize>(view: &TensorView<'_>) -> impl Iterator<Item = [[u8; N]; 3]> {
-    let (words, _) = view.data().as_chunks::<N>();
+fn words<const N: usize>(part: &Part) -> impl Iterator<Item = [[u8; N]; 3]> {
+    let (words, _) = part.bytes.as_chunks::<N>();
     let (rows, _) = words.as_chunks::<3>();
     rows.iter().copied()
 }
 
-fn f32s(view: &TensorView<'_>) -> Vec<[f32; 3]> {
-    words(view).map(|three| three.map(f32::from_le_bytes)).collect()
+fn f32s(part: &Part) -> Vec<[f32; 3]> {
+    words(part).map(|three| three.map(f32::from_le_bytes)).collect()
 }

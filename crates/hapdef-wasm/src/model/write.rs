@@ -8,7 +8,8 @@ use safetensors::Dtype;
 use safetensors::tensor::{TensorView, serialize};
 
 use super::PageModel;
-use super::header::{BUNDLE, COLUMNS, ENTRY, Header, INWARD, NORMALS, TRIANGLES, VERTICES};
+use super::header::{BUNDLE, COLUMNS, ENTRY, Header, INWARD, NORMALS, TRIANGLES, VERTICES, width};
+use super::planes;
 use crate::error::PageError;
 
 type Part = (&'static str, Dtype, Vec<usize>, Vec<u8>);
@@ -49,13 +50,17 @@ impl PageModel {
         };
         let triangles = picture.triangles.as_flattened().iter().flat_map(|n| n.to_le_bytes());
         let n_vertices = picture.vertices_m.len();
-        Ok(vec![
+        let parts = [
             (BUNDLE, Dtype::U8, vec![bundle.len()], bundle),
             (INWARD, Dtype::F64, vec![n_nodes, 3], inward.collect()),
             (COLUMNS, Dtype::F32, vec![n_nodes, n_gauges, 3], columns.collect()),
             (VERTICES, Dtype::F32, vec![n_vertices, 3], of_f32(&picture.vertices_m)),
             (NORMALS, Dtype::F32, vec![n_vertices, 3], of_f32(&picture.normals)),
             (TRIANGLES, Dtype::U32, vec![picture.triangles.len(), 3], triangles.collect()),
-        ])
+        ];
+        let split = |(name, dtype, shape, bytes): Part| {
+            (name, dtype, shape, planes::split(&bytes, width(name)))
+        };
+        Ok(parts.map(split).into())
     }
 }

@@ -5,7 +5,7 @@
     reason = "what can't be prepared fails its test; what is skipped or measured is printed"
 )]
 
-mod browser;
 mod model;
 mod session;
+mod static_page;
 mod support;

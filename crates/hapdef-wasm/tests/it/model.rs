@@ -30,14 +30,15 @@ fn what_is_no_model_is_refused_with_a_reason() {
 #[test]
 fn a_damaged_part_is_named() {
     let mut bytes = unpacked(&support::model().to_bytes().unwrap());
-    let at = bytes.windows(9).position(|word| word == b"\"version\"").unwrap();
-    bytes[at + 11..].iter_mut().take(1).for_each(|digit| *digit = b'7');
+    // JSON within JSON
+    let version = br#"version\":1"#;
+    let at = bytes.windows(version.len()).position(|word| word == version).unwrap();
+    bytes[at + version.len() - 1] = b'7';
     let error = PageModel::from_bytes(&packed(&bytes)).unwrap_err();
-    assert!(matches!(error, PageError::NotAModel { .. } | PageError::Version { .. }), "{error}");
+    assert!(matches!(error, PageError::Version { expected: 1, found: 7 }), "{error}");
     let mut bytes = unpacked(&support::model().to_bytes().unwrap());
-    let bundle = support::model().bundle().to_bytes().unwrap();
-    let at = bytes.windows(64).position(|word| word == &bundle[bundle.len() - 64..]).unwrap();
-    bytes[at + 20] ^= 1;
+    let at = bytes.len() - 1000;
+    bytes[at] ^= 1;
     let error = PageModel::from_bytes(&packed(&bytes)).unwrap_err();
     assert!(matches!(error, PageError::Live(_)), "{error}");
 }

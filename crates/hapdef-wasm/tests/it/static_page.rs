@@ -14,7 +14,7 @@ use crate::support::chrome::{self, Chrome, Fault};
 use crate::support::{files, told};
 
 /// Loads the module and the model; `said()` is all that the page is told, in base64.
-const LOAD: &str = include_str!("browser/load.js");
+const LOAD: &str = include_str!("static_page/load.js");
 /// Frames whose times are taken.
 const N_TIMED: usize = 2000;
 /// Presses of the script, N.
