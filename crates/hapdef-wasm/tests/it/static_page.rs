@@ -115,7 +115,9 @@ fn the_browser_finds_what_the_program_finds() {
     let port = files::serve(&folder);
     let mut chrome = Chrome::start(&program, (800, 600), false).unwrap();
     chrome.open(&format!("http://127.0.0.1:{port}/vendor/three/LICENSE")).unwrap();
-    chrome.wait_for("document.readyState === 'complete'").unwrap();
+    chrome
+        .wait_for("location.pathname.endsWith('LICENSE') && document.readyState === 'complete'")
+        .unwrap();
     assert_eq!(chrome.eval(LOAD).unwrap(), json!("open"));
     let found = in_browser(&mut chrome, &model).unwrap();
     assert_eq!(expected.len(), found.len());
@@ -158,7 +160,7 @@ fn the_page_is_pressed_without_a_server_of_ours() {
     let port = files::serve(&folder);
     let mut chrome = Chrome::start(&program, (1200, 800), true).unwrap();
     chrome.open(&format!("http://127.0.0.1:{port}/")).unwrap();
-    chrome.wait_for("document.querySelector('#link').dataset.state === 'live'").unwrap();
+    chrome.wait_for("document.querySelector('#link')?.dataset.state === 'live'").unwrap();
     assert_eq!(chrome.eval("document.querySelector('#record').hidden").unwrap(), json!(true));
     assert_eq!(chrome.eval("document.querySelector('#simulated').hidden").unwrap(), json!(false));
     chrome.key("a", "KeyA").unwrap();
@@ -186,7 +188,7 @@ fn a_page_without_its_model_says_so() {
     let port = files::serve(other.path());
     let mut chrome = Chrome::start(&program, (1200, 800), true).unwrap();
     chrome.open(&format!("http://127.0.0.1:{port}/")).unwrap();
-    chrome.wait_for("document.querySelector('#link').dataset.state === 'failed'").unwrap();
+    chrome.wait_for("document.querySelector('#link')?.dataset.state === 'failed'").unwrap();
     let why = chrome.eval("document.querySelector('#device').title").unwrap();
     assert!(why.as_str().unwrap().contains("limb.model: 404"), "{why}");
 }

@@ -46,6 +46,7 @@ fn media_type(path: &Path) -> &'static str {
         Some("html") => "text/html",
         Some("js") => "text/javascript",
         Some("css") => "text/css",
+        None => "text/plain",
         Some("svg") => "image/svg+xml",
         _ => "application/octet-stream",
     }
