@@ -8,6 +8,7 @@
 
 mod live_device;
 mod live_electronics;
+mod live_hands;
 mod live_ports;
 mod live_presses;
 mod live_support;
