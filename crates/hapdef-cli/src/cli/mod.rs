@@ -270,7 +270,7 @@ mod tests {
     fn out_is_what_a_command_makes_and_short_is_the_same() {
         let makers = [
             "new", "shell", "wrap", "mesh", "place", "loads", "record", "recover", "export",
-            "bundle", "man",
+            "bundle", "page", "man",
         ];
         assert_eq!(with_option("out"), makers);
         for command in Cli::command().get_subcommands() {

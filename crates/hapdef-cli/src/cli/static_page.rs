@@ -7,11 +7,12 @@ use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::touch::{BundleRequest, make_bundle};
 use hapdef::{Limb, Run, VirtualRigParams, live_limb, virtual_chain};
-use hapdef_cli::{SceneArgs, shown};
+use hapdef_cli::{SceneArgs, print_json, shown};
 use hapdef_mesh::atomic_write;
 use hapdef_rig::live::HandsParams;
 use hapdef_view::{STATIC_MODEL, STATIC_MODULE, static_files};
 use hapdef_wasm::PageModel;
+use serde_json::json;
 
 use super::view::{press_offer, scene_picture};
 
@@ -35,6 +36,9 @@ pub(crate) struct PageArgs {
     /// Seed of the presses that the limb gets while nobody presses it.
     #[arg(long, default_value_t = 1)]
     sim_seed: u64,
+    /// Print what was written as JSON.
+    #[arg(long)]
+    json: bool,
 }
 
 pub(crate) fn run(args: &PageArgs) -> Result<()> {
@@ -50,6 +54,16 @@ pub(crate) fn run(args: &PageArgs) -> Result<()> {
     }
     n_bytes += write(&args.out.join(STATIC_MODULE), &module)?;
     n_bytes += write(&args.out.join(STATIC_MODEL), &model)?;
+    if args.json {
+        let written = json!({
+            "folder": args.out,
+            "n_bytes": n_bytes,
+            "n_model_bytes": model.len(),
+            "n_module_bytes": module.len(),
+        });
+        print_json(&written, false)?;
+        return Ok(());
+    }
     println!(
         "{}: {:.2} MB, {:.2} of them the limb and {:.2} the program",
         shown(&args.out),
