@@ -36,6 +36,8 @@ pub(super) fn adopt(
     work.hypotheses.best_mut().set_lag(0.0);
     work.hypotheses.begin();
     let stay = work.hypotheses.copy(0)?;
+    let Workspace { hypotheses, trusted, model, .. } = &mut *work;
+    hypotheses.candidates[stay].doubt(model, trusted);
     work.settle(HypothesisRef::Candidate(stay), 0);
     let first_id = work.next_id;
     propose_found(work, outcome);
@@ -84,10 +86,15 @@ fn propose_exchanged(work: &mut Workspace, outcome: &SearchOutcome) {
     let Some(c) = fits.and_then(|hypothesis| work.hypotheses.add(hypothesis)) else {
         return;
     };
+    let (best, n_best) = (work.hypotheses.best().tracks, work.hypotheses.best().n);
+    let best = &best[..n_best];
     let candidate = &mut work.hypotheses.candidates[c];
     let n = candidate.n;
-    for track in candidate.tracks[..n].iter_mut().filter(|track| track.is_mobile()) {
-        track.id = NAMELESS;
+    let is_gone = |track: &Track| best.iter().all(|other| other.id != track.id);
+    for track in &mut candidate.tracks[..n] {
+        if track.is_mobile() || is_gone(track) {
+            track.id = NAMELESS;
+        }
     }
     for i in 0..n {
         let track = work.hypotheses.candidates[c].tracks[i];

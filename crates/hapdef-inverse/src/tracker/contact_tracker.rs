@@ -83,6 +83,10 @@ impl ContactTracker {
             State::Sliding(now) => sliding::step(now, work),
         };
         *state = release(next, work);
+        let is_explained = matches!(state, State::Holding(_)) && recent.n_bad == 0;
+        if is_explained {
+            work.trust();
+        }
         if work.is_changed {
             work.solve();
         }
@@ -100,6 +104,7 @@ impl ContactTracker {
     /// Lets all contacts go and forgets what was learnt; names go on.
     pub fn reset(&mut self) {
         self.work.hypotheses.clear();
+        self.work.trusted.n = 0;
         self.work.gathered.clear();
         self.work.pair_birth.stop();
         self.state = State::HOLDING;

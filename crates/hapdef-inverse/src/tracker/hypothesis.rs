@@ -7,6 +7,9 @@ use crate::estimator::{MAX_CONTACTS, Model};
 use crate::skin_point::SkinPoint;
 use crate::tracker::frame::ContactId;
 
+/// A held contact is where it was if it is within this, m.
+const SAME_PLACE_M: f64 = 2e-3;
+
 /// A contact of a hypothesis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Track {
@@ -173,6 +176,21 @@ impl Hypothesis {
         self.delta[i * width..(i + 1) * width].fill(0.0);
         self.set_map_error(model, i);
         self.linearise(model, i);
+    }
+
+    /// Lets all held contacts move that `trusted` doesn't hold in the same place.
+    pub(super) fn doubt(&mut self, model: &Model, trusted: &Self) {
+        let place = |track: &Track| model.skin().position(&track.point);
+        for i in 0..self.n {
+            let track = self.tracks[i];
+            let is_same = |other: &Track| {
+                other.id == track.id && (place(other) - place(&track)).norm() <= SAME_PLACE_M
+            };
+            if !track.is_mobile() && !trusted.tracks().iter().any(is_same) {
+                self.tracks[i].phase = Phase::Born;
+                self.forget(model, i);
+            }
+        }
     }
 
     /// Standard deviation of what the places of sliding contacts are behind by, m: for the residuals of frames, not where

@@ -33,6 +33,9 @@ pub(super) struct Workspace {
     pub(super) hypotheses: Hypotheses,
     /// The best hypothesis before the contacts that move came or began to.
     pub(super) before: Hypothesis,
+    /// The best hypothesis when last all contacts were held and explained the frames: what comes at once beside them may drag
+    /// them away before it is found.
+    pub(super) trusted: Hypothesis,
     pub(super) gathered: Gathered,
     /// Of the best hypothesis, for every frame.
     pub(super) metric: Metric,
@@ -107,6 +110,7 @@ impl Workspace {
             metric: Metric::new(m, width),
             n_taken,
             pair_birth: PairBirth::new(&model, &empty),
+            trusted: empty.clone(),
             before: empty,
             buffers,
             z: vec![0.0; width],
@@ -254,6 +258,14 @@ impl Workspace {
             if self.before.tracks[i].is_mobile() {
                 self.before.remove(i);
             }
+        }
+    }
+
+    /// The best hypothesis explains the frames. It is kept once for each block that it learnt from.
+    pub(super) fn trust(&mut self) {
+        let best = self.hypotheses.best();
+        if self.frame.info.n_updates > 0 || best.n == 0 {
+            self.trusted.copy_from(best);
         }
     }
 
