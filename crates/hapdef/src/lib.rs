@@ -121,5 +121,7 @@ pub use source::{Contacts, RawFrame, RigPlay, Source};
 pub use source_args::{SOURCE_FORMS, SourceArg, SourceArgError, parse_speed};
 pub use stats::{ContactStats, FAR_M, ForceBin, by_force};
 pub use touch_sensor::{TouchSensor, TouchSensorParams};
-pub use virtual_rig::{VirtualRigParams, live_limb, random_presses, virtual_chain, virtual_device};
+pub use virtual_rig::{
+    VirtualRigParams, live_limb, random_presses, virtual_chain, virtual_device, virtual_hands,
+};
 pub use wall_shell::WallShell;

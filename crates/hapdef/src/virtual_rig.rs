@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use hapdef_data::{DatasetReader, DatasetWriter, TensorSpec};
 use hapdef_rig::live::{
-    BridgeParams, CreepTerm, LiveElectronics, LiveElectronicsParams, LiveLimb, LiveSurface,
-    LoadSensorParams, MovingLoads, Play, PressScript, RandomScriptParams, RigDevice,
+    BridgeParams, CreepTerm, HandsParams, LiveElectronics, LiveElectronicsParams, LiveLimb,
+    LiveSurface, LoadSensorParams, MovingLoads, Play, PressScript, RandomScriptParams, RigDevice,
     RigDeviceParams, RigFault,
 };
 use nalgebra::Vector3;
@@ -105,6 +105,18 @@ pub fn random_presses(scene: &Scene, limb: &LiveLimb, seed: u64) -> PressScript 
     let range = (low.max(LEAST_N.min(high)), high);
     let params = RandomScriptParams::new(contact.max_contacts, contact.min_spacing_m, range, seed);
     hapdef_rig::live::random_script(limb, &params)
+}
+
+/// Who presses the virtual rig by hand or by itself: as many contacts, as far apart and as hard as the scene says.
+#[must_use]
+pub fn virtual_hands(scene: &Scene, seed: u64) -> HandsParams {
+    let contact = &scene.contact;
+    HandsParams {
+        max_contacts: contact.max_contacts,
+        spacing_m: contact.min_spacing_m,
+        largest_n: contact.force_range_n[1],
+        seed,
+    }
 }
 
 /// The device: the scene's electronics behind `limb`.

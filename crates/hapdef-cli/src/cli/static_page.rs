@@ -6,10 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::touch::{BundleRequest, make_bundle};
-use hapdef::{Limb, Run, VirtualRigParams, live_limb, virtual_chain};
+use hapdef::{Limb, Run, VirtualRigParams, live_limb, virtual_chain, virtual_hands};
 use hapdef_cli::{SceneArgs, print_json, shown};
 use hapdef_mesh::atomic_write;
-use hapdef_rig::live::HandsParams;
 use hapdef_view::{STATIC_MODEL, STATIC_MODULE, static_files};
 use hapdef_wasm::PageModel;
 use serde_json::json;
@@ -79,13 +78,7 @@ fn model(run: &Run, limb: &Limb, scene_json: String, seed: u64) -> Result<PageMo
     let bundle = make_bundle(run, limb, scene_json, &BundleRequest::default())?;
     let real = live_limb(run, limb)?;
     let (electronics, device) = virtual_chain(&run.scene, &VirtualRigParams::default());
-    let contact = &run.scene.contact;
-    let hands = HandsParams {
-        max_contacts: contact.max_contacts,
-        spacing_m: contact.min_spacing_m,
-        largest_n: contact.force_range_n[1],
-        seed,
-    };
+    let hands = virtual_hands(&run.scene, seed);
     let picture = scene_picture(run, limb)?;
     let press = press_offer(&run.scene);
     Ok(PageModel::new(bundle, &real, (&electronics, &device), (press, &hands), picture)?)

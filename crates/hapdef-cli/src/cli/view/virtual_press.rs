@@ -5,11 +5,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use anyhow::Result;
-use hapdef::{Limb, Run, VirtualRigParams, live_limb, virtual_device};
+use hapdef::{Limb, Run, VirtualRigParams, live_limb, virtual_device, virtual_hands};
 use hapdef_daq::source::{StreamParams, StreamSource, memory_link};
 use hapdef_rig::live::{
-    Hands, HandsParams, LiveLimb, PressHandle, RunParams, RunningRig, TrueContact, TruthFrame,
-    spawn_rig,
+    Hands, LiveLimb, PressHandle, RunParams, RunningRig, TrueContact, TruthFrame, spawn_rig,
 };
 
 use crate::cli::sim::{Simulated, truth_line};
@@ -35,14 +34,7 @@ impl Sim {
     pub(crate) fn start(run: &Run, limb: &Limb, seed: u64) -> Result<(Simulated, Self)> {
         let real = Arc::new(live_limb(run, limb)?);
         let device = virtual_device(&run.scene, Arc::clone(&real), &VirtualRigParams::default())?;
-        let contact = &run.scene.contact;
-        let params = HandsParams {
-            max_contacts: contact.max_contacts,
-            spacing_m: contact.min_spacing_m,
-            largest_n: contact.force_range_n[1],
-            seed,
-        };
-        let hands = Hands::new(&real, &params)?;
+        let hands = Hands::new(&real, &virtual_hands(&run.scene, seed))?;
         let (link, port) = memory_link();
         let (mut tell, truth) = truth_line();
         let truths = Truths::default();
