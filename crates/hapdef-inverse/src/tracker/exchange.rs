@@ -14,7 +14,7 @@ const MAX_ROUNDS: usize = 3;
 
 /// Pairs that are refined of each scan, and of that beside what was trusted. The scan ranks pairs as if they were at
 /// sites: beside two strong contacts that are known, the right pair was the 500th of 800. Of twice 200 scripts of two
-/// contacts that come at once beside two that are held (`cargo xtask compare`, test seeds 611 and 612) 97.0 and 95.5 %
+/// contacts that come at once beside two that are held (frames of `compare`, test seeds 611 and 612) 97.0 and 95.5 %
 /// were clean with 200 pairs, 94.5 and 94.5 % with 8; 400 beside everything else, too, gave one script more and took six
 /// times as long.
 const N_PAIRS: usize = 8;
