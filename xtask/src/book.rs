@@ -7,6 +7,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
+use crate::docs::links;
 use crate::metrics;
 use crate::python::{environment, install, usable};
 use crate::tool::{results, root, run_quietly, target_dir};
@@ -93,7 +94,7 @@ impl Pages {
         let mut next = 0;
         while let Some((page, _)) = pages.listed.get(next).cloned() {
             for link in links(&read(&page)?) {
-                pages.add(resolved(&page, &link), 0);
+                pages.add(resolved(&page, link), 0);
             }
             next += 1;
         }
@@ -147,18 +148,11 @@ fn reading_order(text: &str) -> Vec<(String, usize)> {
             depth = 0;
         }
         for link in links(line) {
-            found.push((link, depth));
+            found.push((link.to_owned(), depth));
             depth = usize::from(is_numbered || is_within);
         }
     }
     found
-}
-
-/// Files that a text leads to by links, in order.
-fn links(text: &str) -> Vec<String> {
-    let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-    let paths = links.filter_map(|link| link.split('#').next());
-    paths.filter(|path| !path.is_empty() && !path.contains("://")).map(str::to_owned).collect()
 }
 
 /// A link's file as a path from the root.

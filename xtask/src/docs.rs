@@ -155,6 +155,13 @@ pub(crate) struct Block<'a> {
     pub(crate) lines: Vec<&'a str>,
 }
 
+/// Files that a text leads to by links, in order; those to other sites and within the page are passed over.
+pub(crate) fn links(text: &str) -> impl Iterator<Item = &str> {
+    let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let paths = links.filter_map(|link| link.split('#').next());
+    paths.filter(|path| !path.is_empty() && !path.contains("://"))
+}
+
 /// The fenced blocks of a page.
 pub(crate) fn blocks(text: &str) -> Vec<Block<'_>> {
     let mut found: Vec<Block<'_>> = Vec::new();

@@ -10,7 +10,7 @@ mod lines;
 mod modules;
 mod rust;
 
-use crate::docs::{blocks, unexplained};
+use crate::docs::{blocks, links, unexplained};
 use crate::metrics;
 use crate::tool::{metadata, results, root};
 
@@ -170,12 +170,10 @@ fn source_faults(file: &str, text: &str, faults: &mut Vec<String>) {
     }
 }
 
-/// Links to files that are not there; those to other sites and within the page are passed over.
+/// Links to files that are not there.
 fn link_faults(file: &str, text: &str, is_there: impl Fn(&str) -> bool, faults: &mut Vec<String>) {
     for (i, line) in text.lines().enumerate() {
-        let links = line.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-        let paths = links.filter_map(|link| link.split('#').next());
-        for path in paths.filter(|path| !path.is_empty() && !path.contains("://")) {
+        for path in links(line) {
             if !is_there(path) {
                 faults.push(format!("{file}:{}: no file {path}", i + 1));
             }

@@ -40,7 +40,7 @@ fn sentence(measured: &[(&Target, f64)], n_unmeasured: usize) -> String {
         text.push_str(&format!(" Missed: {named}{more}."));
     }
     if n_unmeasured > 0 {
-        text.push_str(&format!(" {n_unmeasured} were not measured."));
+        text.push_str(&format!(" Not measured: {n_unmeasured}."));
     }
     text
 }
@@ -74,7 +74,7 @@ mod tests {
         let summary = summary(&targets, None).unwrap();
         assert_eq!(
             summary.sentence,
-            "1 of 2 figures are what was asked for. Missed: one contact, median, mm. 1 were not measured."
+            "1 of 2 figures are what was asked for. Missed: one contact, median, mm. Not measured: 1."
         );
         let numbers: Vec<[&str; 3]> =
             summary.numbers.iter().map(|n| [&*n.value, &*n.what, &*n.beside]).collect();
