@@ -10,9 +10,13 @@ const MIN_NORMAL_AGREEMENT: f64 = 0.5;
 /// Parent coordinates may leave the face by this much before a point counts as off it.
 const EDGE_TOLERANCE: f64 = 1e-9;
 
+/// No point of a quadratic triangle is farther from its first node than this many times the farthest node is: the
+/// absolute values of its shape functions add up to at most 5/3; the rest is for rounding.
+const FARTHEST_POINT: f64 = 1.7;
+
 /// A wall: faces reachable from the one under the gauge over shared edges.
 pub(crate) struct Wall {
-    faces: Vec<(Tri6Face, [Point3<f64>; 6])>,
+    faces: Vec<PlacedFace>,
     /// The point of the wall nearest to the gauge's centre, m.
     pub(crate) origin: Point3<f64>,
     /// The outward unit normal there.
@@ -38,20 +42,21 @@ impl Wall {
         centre: &Point3<f64>,
         reach_m: f64,
     ) -> Option<(Self, f64)> {
-        let placed: Vec<_> = faces.iter().map(|face| (*face, face_positions(mesh, face))).collect();
-        let nearest = |i: usize| nearest_on_face(&placed[i].1, centre);
-        let start =
-            (0..placed.len()).map(|i| (i, nearest(i).2)).min_by(|a, b| a.1.total_cmp(&b.1))?.0;
-        let (xi, eta, distance_m) = nearest(start);
-        let origin = tri6::position(&placed[start].1, xi, eta);
-        let normal = unit_normal(&placed[start].1, xi, eta)?;
+        let (under, [xi, eta], distance_m) = face_under(mesh, faces, centre)?;
+        let origin = tri6::position(&under.nodes, xi, eta);
+        let normal = unit_normal(&under.nodes, xi, eta)?;
+        let placed = faces.iter().map(|face| PlacedFace::new(mesh, face));
+        let near: Vec<PlacedFace> = placed
+            .filter(|face| face.face == under.face || face.has_node_near(&origin, reach_m))
+            .collect();
+        let start = near.iter().position(|face| face.face == under.face)?;
         let agrees = |i: usize| {
-            unit_normal(&placed[i].1, 1.0 / 3.0, 1.0 / 3.0)
+            unit_normal(&near[i].nodes, 1.0 / 3.0, 1.0 / 3.0)
                 .is_some_and(|other| other.dot(&normal) > MIN_NORMAL_AGREEMENT)
-                && placed[i].1.iter().any(|p| (p - origin).norm() <= reach_m + extent(&placed[i].1))
         };
-        let reached = connected_faces(faces, start, agrees);
-        let faces = placed.into_iter().zip(reached).filter(|(_, r)| *r).map(|(f, _)| f).collect();
+        let near_faces: Vec<Tri6Face> = near.iter().map(|face| face.face).collect();
+        let reached = connected_faces(&near_faces, start, agrees);
+        let faces = near.into_iter().zip(reached).filter(|(_, r)| *r).map(|(f, _)| f).collect();
         Some((Self { faces, origin, normal }, distance_m))
     }
 
@@ -61,7 +66,11 @@ impl Wall {
         let [u, v] = tangents_of(&self.normal);
         self.faces
             .iter()
-            .filter_map(|(face, nodes)| {
+            .filter(|face| {
+                let to_face = face.nodes[0] - point;
+                to_face.dot(&u).hypot(to_face.dot(&v)) <= face.farthest_m
+            })
+            .filter_map(|PlacedFace { face, nodes, .. }| {
                 let (xi, eta) = meet_line(nodes, point, &u, &v)?;
                 let height_m = (tri6::position(nodes, xi, eta) - point).norm();
                 let normal = unit_normal(nodes, xi, eta)?;
@@ -73,13 +82,51 @@ impl Wall {
     }
 }
 
-fn unit_normal(nodes: &[Point3<f64>; 6], xi: f64, eta: f64) -> Option<Vector3<f64>> {
-    tri6::area_vector(nodes, xi, eta).try_normalize(0.0)
+/// A face with its nodes, m.
+struct PlacedFace {
+    face: Tri6Face,
+    nodes: [Point3<f64>; 6],
+    /// The largest distance of a node from the first, m.
+    extent_m: f64,
+    /// No point of the face is farther from the first node, m.
+    farthest_m: f64,
 }
 
-/// The largest distance of a node from the first.
-fn extent(nodes: &[Point3<f64>; 6]) -> f64 {
-    nodes.iter().map(|p| (p - nodes[0]).norm()).fold(0.0, f64::max)
+impl PlacedFace {
+    fn new(mesh: &Tet10Mesh, face: &Tri6Face) -> Self {
+        let nodes = face_positions(mesh, face);
+        let extent_m = nodes.iter().map(|p| (p - nodes[0]).norm()).fold(0.0, f64::max);
+        Self { face: *face, nodes, extent_m, farthest_m: FARTHEST_POINT * extent_m }
+    }
+
+    fn has_node_near(&self, point: &Point3<f64>, reach_m: f64) -> bool {
+        self.nodes.iter().any(|node| (node - point).norm() <= reach_m + self.extent_m)
+    }
+}
+
+/// The face nearest to a point, where on it in parent coordinates, and how far that is, m.
+fn face_under(
+    mesh: &Tet10Mesh,
+    faces: &[Tri6Face],
+    point: &Point3<f64>,
+) -> Option<(PlacedFace, [f64; 2], f64)> {
+    let mut best: Option<(PlacedFace, [f64; 2], f64)> = None;
+    for face in faces {
+        let face = PlacedFace::new(mesh, face);
+        let best_m = best.as_ref().map_or(f64::INFINITY, |(_, _, distance_m)| *distance_m);
+        if (face.nodes[0] - point).norm() - face.farthest_m > best_m {
+            continue;
+        }
+        let (xi, eta, distance_m) = nearest_on_face(&face.nodes, point);
+        if distance_m < best_m {
+            best = Some((face, [xi, eta], distance_m));
+        }
+    }
+    best
+}
+
+fn unit_normal(nodes: &[Point3<f64>; 6], xi: f64, eta: f64) -> Option<Vector3<f64>> {
+    tri6::area_vector(nodes, xi, eta).try_normalize(0.0)
 }
 
 fn tangents_of(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
@@ -97,9 +144,6 @@ fn meet_line(
     u: &Vector3<f64>,
     v: &Vector3<f64>,
 ) -> Option<(f64, f64)> {
-    if (nodes[0] - point).norm() > 1e3 * extent(nodes) {
-        return None;
-    }
     let (mut xi, mut eta) = (1.0 / 3.0, 1.0 / 3.0);
     for _ in 0..20 {
         let miss = tri6::position(nodes, xi, eta) - point;

@@ -1,5 +1,8 @@
 //! The piece of mid-surface a gauge is glued to, and points on it.
 
+use std::collections::{BTreeMap, BTreeSet};
+
+use hapdef_mesh::FeNodeId;
 use nalgebra::{Point3, Vector3};
 
 use super::ShellMesh;
@@ -32,20 +35,11 @@ impl ShellPatch {
     /// The patch at the point of `mesh` nearest to `centre`, within `reach_m` of it, and the
     /// distance to it, m; nothing on a mesh without triangles.
     pub(super) fn at(mesh: &ShellMesh, centre: &Point3<f64>, reach_m: f64) -> Option<(Self, f64)> {
-        let nearest = |triangle: usize| {
-            let corners = mesh.corners(triangle);
-            let (s, t) = nearest_on_triangle(&corners, centre);
-            let [a, b, c] = corners;
-            let point = a + (b - a) * s + (c - a) * t;
-            (triangle, point, (point - centre).norm())
-        };
-        let (start, origin, distance_m) =
-            (0..mesh.triangles().len()).map(nearest).min_by(|a, b| a.2.total_cmp(&b.2))?;
+        let (start, origin, distance_m) = triangle_under(mesh, centre)?;
         let normal = normal_of(&mesh.corners(start))?;
         let near = |triangle: usize| {
             let corners = mesh.corners(triangle);
-            let size = (corners[1] - corners[0]).norm() + (corners[2] - corners[0]).norm();
-            (corners[0] - origin).norm() <= reach_m + size
+            (corners[0] - origin).norm() <= reach_m + size_m(&corners)
                 && normal_of(&corners).is_some_and(|n| n.dot(&normal) > MIN_NORMAL_AGREEMENT)
         };
         let candidates: Vec<usize> = (0..mesh.triangles().len()).filter(|&t| near(t)).collect();
@@ -79,27 +73,52 @@ impl ShellPatch {
     }
 }
 
+/// The triangle nearest to a point, the point on it, and how far that is, m.
+fn triangle_under(mesh: &ShellMesh, point: &Point3<f64>) -> Option<(usize, Point3<f64>, f64)> {
+    let mut best: Option<(usize, Point3<f64>, f64)> = None;
+    for triangle in 0..mesh.triangles().len() {
+        let best_m = best.map_or(f64::INFINITY, |(_, _, distance_m)| distance_m);
+        let corners = mesh.corners(triangle);
+        if (corners[0] - point).norm() - size_m(&corners) > best_m {
+            continue;
+        }
+        let (s, t) = nearest_on_triangle(&corners, point);
+        let [a, b, c] = corners;
+        let nearest = a + (b - a) * s + (c - a) * t;
+        let distance_m = (nearest - point).norm();
+        if distance_m < best_m {
+            best = Some((triangle, nearest, distance_m));
+        }
+    }
+    best
+}
+
+/// More than the distance of any point of a triangle from its first corner, m.
+fn size_m([a, b, c]: &[Point3<f64>; 3]) -> f64 {
+    (b - a).norm() + (c - a).norm()
+}
+
 fn normal_of([a, b, c]: &[Point3<f64>; 3]) -> Option<Vector3<f64>> {
     (b - a).cross(&(c - a)).try_normalize(0.0)
 }
 
-/// Those of `candidates` (ascending, with `start`) that are reached from `start` over shared sides.
+/// Those of `candidates` (with `start`) that are reached from `start` over shared sides, ascending.
 fn connected(mesh: &ShellMesh, start: usize, candidates: &[usize]) -> Vec<usize> {
-    let shares_side = |s: usize, t: usize| {
-        let other = mesh.triangles()[t];
-        let common = mesh.triangles()[s].iter().filter(|n| other.contains(n));
-        common.count() >= 2
+    let sides = |triangle: usize| {
+        let [a, b, c] = mesh.triangles()[triangle];
+        [[a, b], [b, c], [c, a]].map(|[from, to]| [from.min(to), from.max(to)])
     };
-    let mut reached = vec![start];
-    let mut next = 0;
-    while next < reached.len() {
-        let from = reached[next];
-        let new = candidates.iter().copied();
-        let new: Vec<usize> =
-            new.filter(|&t| !reached.contains(&t) && shares_side(from, t)).collect();
-        reached.extend(new);
-        next += 1;
+    let mut by_side: BTreeMap<[FeNodeId; 2], Vec<usize>> = BTreeMap::new();
+    for &triangle in candidates {
+        for side in sides(triangle) {
+            by_side.entry(side).or_default().push(triangle);
+        }
     }
-    reached.sort_unstable();
-    reached
+    let mut reached = BTreeSet::from([start]);
+    let mut open = vec![start];
+    while let Some(from) = open.pop() {
+        let beside = sides(from).into_iter().filter_map(|side| by_side.get(&side)).flatten();
+        open.extend(beside.copied().filter(|&triangle| reached.insert(triangle)));
+    }
+    reached.into_iter().collect()
 }
