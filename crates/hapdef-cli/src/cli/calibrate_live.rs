@@ -68,7 +68,6 @@ pub(super) fn calibrate_live(
         position_sd_m: args.position_sd_mm * 1e-3,
         force_sd_n: args.force_sd_n,
     };
-    run.say("solving the limb's response");
     let steps = feed.channels.iter().map(|&i| hello.channels[i].scale);
     let params = SessionParams {
         step_ue: steps.map(|scale| f64::from(scale).abs()).collect(),

@@ -7,7 +7,6 @@ use crate::calibration::params::CalibrationParams;
 use crate::calibration::samples::{Basis, Places, Samples};
 use crate::calibration::solution::{Problem, Solution, by_gauge};
 use crate::calibration::spread::Spread;
-use crate::error::InverseError;
 use crate::response::ResponseMap;
 
 /// What a correction starts from.
@@ -31,47 +30,68 @@ pub(crate) struct Corrected {
 }
 
 impl Given<'_> {
-    /// The map corrected by the presses `rows` of the samples; errors of later presses are predicted for the
-    /// first `cuts` of them.
-    pub(crate) fn correct(
+    /// The map corrected by a solution, and its error.
+    pub(crate) fn correct(&self, solution: Solution, kernels: &[Kernel]) -> Corrected {
+        let residual = self.residuals(std::slice::from_ref(&solution), kernels);
+        self.corrected(solution, &residual.concat())
+    }
+
+    /// The same for each of several solutions, whose maps are made at once.
+    pub(crate) fn correct_each(
         &self,
-        rows: &[usize],
+        solutions: Vec<Solution>,
         kernels: &[Kernel],
-        cuts: &[usize],
-    ) -> Result<Corrected, InverseError> {
+    ) -> impl Iterator<Item = Corrected> {
+        let residuals = self.residuals(&solutions, kernels);
+        solutions.into_iter().zip(residuals).map(|(s, residual)| self.corrected(s, &residual))
+    }
+
+    fn corrected(&self, solution: Solution, residual: &[f64]) -> Corrected {
         let (basis, samples) = (self.basis, self.problem.samples);
-        let solution = self.problem.solve(rows, kernels, Some(self.at_sites), cuts)?;
-        let residual = self.nodal_residual(&solution, kernels);
-        let map = basis.map.plus(&basis.terms(&solution.modes.theta), &residual);
+        let map = basis.map.plus(&basis.terms(&solution.modes.theta), residual);
         let extra = interpolation_errors(&map, samples, &solution);
         let spread = Spread::new(&map, samples, &solution, &extra);
         let per_site = spread.covariances(samples, &solution, self.at_sites);
-        Ok(Corrected { solution, map, spread, per_site })
+        Corrected { solution, map, spread, per_site }
     }
 
-    /// The process's mean where the map has values `[n_values, n_gauges]`.
-    fn nodal_residual(&self, solution: &Solution, kernels: &[Kernel]) -> Vec<f64> {
+    /// Each solution's mean of the process where the map has values `[n_solutions][n_values, n_gauges]`. The
+    /// covariances with the presses, which take longest, are the same for all solutions.
+    fn residuals(&self, solutions: &[Solution], kernels: &[Kernel]) -> Vec<Vec<f64>> {
         let (nodes, around) = self.values;
         let (m, samples) = (self.basis.map.n_gauges(), self.problem.samples);
+        let mut rows: Vec<usize> = solutions.iter().flat_map(|s| s.rows.iter().copied()).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        let places: Vec<Vec<usize>> = solutions
+            .iter()
+            .map(|s| s.rows.iter().map(|row| rows.partition_point(|other| other < row)).collect())
+            .collect();
         let by_gauge = by_gauge(m, self.params.n_threads, |gauge| {
             let (kernel, mean_square) = (&kernels[gauge], self.problem.mean_squares[gauge]);
-            let alpha = solution.alpha(gauge);
-            let rows = solution.rows.iter();
-            let sizes =
-                rows.map(|&i| kernel.amplitude(samples.places.around(i, gauge), mean_square));
-            let sizes: Vec<Amplitude> = sizes.collect();
-            let at = |(node, x): (usize, &Point3<f64>)| {
+            let alphas: Vec<Vec<f64>> = solutions.iter().map(|s| s.alpha(gauge)).collect();
+            let size = |&i: &usize| kernel.amplitude(samples.places.around(i, gauge), mean_square);
+            let sizes: Vec<Amplitude> = rows.iter().map(size).collect();
+            let mut covariances = vec![0.0; rows.len()];
+            let mut means = Vec::with_capacity(nodes.len() * solutions.len());
+            for (node, x) in nodes.iter().enumerate() {
                 let size = kernel.amplitude(around[node * m + gauge], mean_square);
-                let correction = |(place, &i): (usize, &usize)| {
+                for (place, &i) in rows.iter().enumerate() {
                     let distance_2 = (x - samples.places.positions[i]).norm_squared();
-                    alpha[place] * kernel.covariance(size, sizes[place], distance_2)
-                };
-                solution.rows.iter().enumerate().map(correction).sum::<f64>()
-            };
-            nodes.iter().enumerate().map(at).collect::<Vec<f64>>()
+                    covariances[place] = kernel.covariance(size, sizes[place], distance_2);
+                }
+                means.extend(places.iter().zip(&alphas).map(|(places, alpha)| {
+                    let terms = places.iter().zip(alpha).map(|(&p, alpha)| alpha * covariances[p]);
+                    terms.sum::<f64>()
+                }));
+            }
+            means
         });
-        let n_nodes = nodes.len();
-        (0..n_nodes * m).map(|i| by_gauge[i % m][i / m]).collect()
+        let of_solution = |k: usize| -> Vec<f64> {
+            let value = |i: usize| by_gauge[i % m][i / m * solutions.len() + k];
+            (0..nodes.len() * m).map(value).collect()
+        };
+        (0..solutions.len()).map(of_solution).collect()
     }
 }
 

@@ -11,6 +11,7 @@ use crate::calibration::output::{
 use crate::calibration::params::{CalibrationParams, ModeMap};
 use crate::calibration::press::Press;
 use crate::calibration::reject::reject;
+use crate::calibration::residual::Wanted;
 use crate::calibration::samples::{Basis, LEAST_PRESSES, Places, Samples};
 use crate::calibration::solution::{Problem, Solution};
 use crate::calibration::spread::Spread;
@@ -88,8 +89,10 @@ impl Calibrated {
             true => place_factor(&given, sites, presses, &rows, &kernels)?,
             false => 1.0,
         };
-        let Corrected { solution, map, spread, per_site } =
-            given.correct(&rows, &kernels, &cuts)?;
+        let wanted =
+            Wanted { sites: Some(&at_sites), has_covariance: params.n_next > 0, cuts: &cuts };
+        let solution = problem.solve(&rows, &kernels, wanted)?;
+        let Corrected { solution, map, spread, per_site } = given.correct(solution, &kernels);
         not_needed(presses.len(), &samples, &mut rejected);
         let info = info(&basis, &samples, &solution, &spread, &kernels, rejected);
         let next = next_presses(&problem, &solution, &at_sites, &spread.scales, params.n_next);

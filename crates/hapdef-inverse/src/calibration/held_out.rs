@@ -9,6 +9,8 @@ use crate::calibration::kernel::Kernel;
 use crate::calibration::output::Calibrated;
 use crate::calibration::press::Press;
 use crate::calibration::regions::SHARE;
+use crate::calibration::residual::Wanted;
+use crate::calibration::solution::Solution;
 use crate::error::InverseError;
 use crate::estimator::{CHI2_95, ContactEstimator, EstimatorParams};
 use crate::noise::{ModelError, NoiseParams};
@@ -48,17 +50,19 @@ pub(crate) fn place_factor(
     rows: &[usize],
     kernels: &[Kernel],
 ) -> Result<f64, InverseError> {
+    let chosen = |part: usize, is_held_out: bool| -> Vec<usize> {
+        let places = rows.iter().enumerate();
+        let some = places.filter(|(place, _)| (place % N_PARTS == part) == is_held_out);
+        some.map(|(_, &row)| row).collect()
+    };
+    let wanted = Wanted { sites: Some(given.at_sites), ..Wanted::default() };
+    let solve = |part: usize| given.problem.solve(&chosen(part, false), kernels, wanted);
+    let solutions: Vec<Solution> =
+        (0..Calibrated::n_refits(rows.len())).map(solve).collect::<Result<_, _>>()?;
     let mut distances = Vec::new();
-    for part in 0..Calibrated::n_refits(rows.len()) {
-        let is_held_out = |place: usize| place % N_PARTS == part;
-        let chosen = |wanted: bool| -> Vec<usize> {
-            let places = rows.iter().enumerate();
-            let some = places.filter(|(place, _)| is_held_out(*place) == wanted);
-            some.map(|(_, &row)| row).collect()
-        };
-        let corrected = given.correct(&chosen(false), kernels, &[])?;
+    for (part, corrected) in given.correct_each(solutions, kernels).enumerate() {
         let estimator = estimator(given, sites, corrected)?;
-        for row in chosen(true) {
+        for row in chosen(part, true) {
             let press = &presses[given.problem.samples.index[row]];
             let found = estimator.estimate(&press.readings)?;
             if let ([one], Verdict::Identified) = (&found.contacts[..], found.verdict) {

@@ -14,6 +14,9 @@ pub(crate) fn next_presses(
     scales: &[f64],
     n_next: usize,
 ) -> Vec<NextPress> {
+    if n_next == 0 {
+        return Vec::new();
+    }
     let n = sites.points.len();
     let m = scales.len();
     let mut covariance = vec![0.0; n * n];

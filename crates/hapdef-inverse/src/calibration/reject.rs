@@ -2,6 +2,7 @@
 
 use crate::calibration::kernel::Kernel;
 use crate::calibration::output::{RejectReason, RejectedPress};
+use crate::calibration::residual::Wanted;
 use crate::calibration::solution::Problem;
 use crate::chi_square::tail_point;
 use crate::error::InverseError;
@@ -66,7 +67,7 @@ fn chi2(
     rows: &[usize],
     kernels: &[Kernel],
 ) -> Result<Vec<f64>, InverseError> {
-    let solution = problem.solve(rows, kernels, None, &[])?;
+    let solution = problem.solve(rows, kernels, Wanted::default())?;
     let mut chi2 = vec![0.0; rows.len()];
     for gauge in 0..problem.samples.n_gauges() {
         let left_out = solution.left_out(gauge);

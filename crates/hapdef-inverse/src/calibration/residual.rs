@@ -27,13 +27,24 @@ pub(crate) struct CutErrors {
     pub(crate) of_columns: Vec<Vec<f64>>,
 }
 
+/// What of a fit is wanted beside the coefficients.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Wanted<'a> {
+    /// What is known at these scan sites.
+    pub(crate) sites: Option<&'a Places>,
+    /// Their covariance, too: half of the time of a fit.
+    pub(crate) has_covariance: bool,
+    /// See [`GaugeFit::cuts`].
+    pub(crate) cuts: &'a [usize],
+}
+
 /// What is known at the scan sites.
 pub(crate) struct AtSites {
     /// Variance of the process given the presses `[n_sites]`.
     pub(crate) variance: Vec<f64>,
     /// Columns less what the presses predict of them `[n_sites, n_columns]`.
     pub(crate) columns: Vec<f64>,
-    /// Covariance of the process given the presses `[n_sites, n_sites]`, lower half.
+    /// Covariance of the process given the presses `[n_sites, n_sites]`, lower half; empty where it isn't wanted.
     pub(crate) covariance: Vec<f64>,
 }
 
@@ -111,11 +122,10 @@ pub(crate) fn fit_gauge(
     gauge: usize,
     rows: &[usize],
     kernel: &Kernel,
-    sites: Option<&Places>,
     mean_square: f64,
-    cuts: &[usize],
+    wanted: Wanted<'_>,
 ) -> Option<GaugeFit> {
-    let t = factored(samples, gauge, rows, kernel, sites, mean_square)?;
+    let t = factored(samples, gauge, rows, kernel, wanted.sites, mean_square)?;
     let n_columns = samples.places.n_columns;
     let (gram, rhs) = normal_equations(&t, n_columns);
     let solved = |row: usize| {
@@ -137,8 +147,10 @@ pub(crate) fn fit_gauge(
         alpha_y: solved(t.n),
         alpha_h: (0..n_columns).map(|c| solved(t.n + 1 + c)).collect(),
         inverse_diagonal: t.inverse_diagonal(),
-        cuts: cuts.iter().map(cut_errors).collect(),
-        at_sites: sites.map(|s| at_sites(&t, s, gauge, kernel, mean_square)),
+        cuts: wanted.cuts.iter().map(cut_errors).collect(),
+        at_sites: wanted
+            .sites
+            .map(|s| at_sites(&t, s, gauge, kernel, mean_square, wanted.has_covariance)),
         gram,
         rhs,
     })
@@ -171,25 +183,28 @@ fn at_sites(
     gauge: usize,
     kernel: &Kernel,
     mean_square: f64,
+    has_covariance: bool,
 ) -> AtSites {
     let (n_sites, n_columns) = (sites.points.len(), sites.n_columns);
     let row = |s: usize| t.row(t.n + 1 + n_columns + s);
     let size = |s: usize| kernel.amplitude(sites.around(s, gauge), mean_square);
-    let mut covariance = vec![0.0; n_sites * n_sites];
+    let covariance_of = |s: usize, r: usize| {
+        let d_2 = (sites.positions[s] - sites.positions[r]).norm_squared();
+        kernel.covariance(size(s), size(r), d_2) - dot(row(s), row(r))
+    };
+    let mut covariance = Vec::new();
+    if has_covariance {
+        covariance.resize(n_sites * n_sites, 0.0);
+        for s in 0..n_sites {
+            (0..=s).for_each(|r| covariance[s * n_sites + r] = covariance_of(s, r));
+        }
+    }
     let mut columns = Vec::with_capacity(n_sites * n_columns);
     for s in 0..n_sites {
-        for r in 0..=s {
-            let d_2 = (sites.positions[s] - sites.positions[r]).norm_squared();
-            let prior = kernel.covariance(size(s), size(r), d_2);
-            covariance[s * n_sites + r] = prior - dot(row(s), row(r));
-        }
         let predicted = |c: usize| dot(row(s), t.row(t.n + 1 + c));
         let here = sites.columns_of(s, gauge).iter().enumerate();
         columns.extend(here.map(|(c, h)| h - predicted(c)));
     }
-    AtSites {
-        variance: (0..n_sites).map(|s| covariance[s * n_sites + s].max(0.0)).collect(),
-        columns,
-        covariance,
-    }
+    let variance = (0..n_sites).map(|s| covariance_of(s, s).max(0.0)).collect();
+    AtSites { variance, columns, covariance }
 }

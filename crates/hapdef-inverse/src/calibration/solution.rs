@@ -2,8 +2,8 @@
 
 use crate::calibration::kernel::Kernel;
 use crate::calibration::mode_fit::{ModeFit, fit_modes, quadratic_form};
-use crate::calibration::residual::{GaugeFit, fit_gauge};
-use crate::calibration::samples::{Places, Samples};
+use crate::calibration::residual::{GaugeFit, Wanted, fit_gauge};
+use crate::calibration::samples::Samples;
 use crate::error::InverseError;
 
 /// What stays the same over all solutions of one calibration.
@@ -38,12 +38,11 @@ impl Problem<'_> {
         &self,
         rows: &[usize],
         kernels: &[Kernel],
-        sites: Option<&Places>,
-        cuts: &[usize],
+        wanted: Wanted<'_>,
     ) -> Result<Solution, InverseError> {
         let fits = by_gauge(self.samples.n_gauges(), self.n_threads, |gauge| {
             let mean_square = self.mean_squares[gauge];
-            fit_gauge(self.samples, gauge, rows, &kernels[gauge], sites, mean_square, cuts)
+            fit_gauge(self.samples, gauge, rows, &kernels[gauge], mean_square, wanted)
         });
         let fits: Option<Vec<_>> = fits.into_iter().collect();
         let fits = fits

@@ -91,17 +91,17 @@ impl<'a> Rig<'a> {
                 n_stiffness: N_STIFFNESS,
                 n_threads: self.run.threads,
             };
-            self.run.say(&format!("solving the response of {} gauges", gauges.len()));
-            let start = Instant::now();
             let limb = self.limb;
             let response = match mesh {
-                Some(_) => UncertainResponse::solve(limb, sites, gauges, &params)?,
+                Some(_) => UncertainResponse::kept(self.run, limb, sites, gauges, &params)?,
                 None => {
-                    let wall_m = limb.max_wall_m;
-                    UncertainResponse::solve_shell(limb, sites, gauges, wall_m, &params)?
+                    let (wall_m, start) = (limb.max_wall_m, Instant::now());
+                    let shell =
+                        UncertainResponse::solve_shell(limb, sites, gauges, wall_m, &params)?;
+                    (shell, start.elapsed().as_secs_f64())
                 }
             };
-            self.responses.insert(key, (response, start.elapsed().as_secs_f64()));
+            self.responses.insert(key, response);
         }
         self.responses.get(&key).context("a response")
     }

@@ -7,7 +7,7 @@ use super::{Plan, PlanStep, Rates, When};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
-use crate::touch::{CALIBRATION_SITES, N_STIFFNESS};
+use crate::touch::{CALIBRATION_SITES, N_STIFFNESS, UncertainParams, UncertainResponse};
 use crate::work::{Work, WorkKind};
 
 /// Name of the step.
@@ -40,12 +40,18 @@ impl Plan {
             0 => None,
             times => Some(fine_estimate(run, limb, times)?),
         };
-        let work = solved(&own, fine.as_ref(), limb).fitting(
-            n_presses,
-            n_gauges,
-            n_columns,
-            CALIBRATION_SITES,
-        );
+        let params = UncertainParams::of_scene(run, N_STIFFNESS);
+        let (solves, why) = match UncertainResponse::is_kept(run, limb, &params)? {
+            true => (
+                Work::solves(WorkKind::Calibration, &own, 0),
+                "the response, which is in the cache, corrected by presses; it takes the response's place",
+            ),
+            false => (
+                solved(&own, fine.as_ref(), limb),
+                "the response corrected by presses; it takes the response's place",
+            ),
+        };
+        let work = solves.fitting(n_presses, n_gauges, n_columns, CALIBRATION_SITES);
         let n_kept = n_gauges * (3 * limb.n_surface_nodes() + CALIBRATION_SITES * n_gauges);
         let work = Work { bytes: work.bytes + 8.0 * n_kept as f64, ..work };
         let sizes = [
@@ -54,7 +60,6 @@ impl Plan {
             ("modes", n_columns),
             ("refinements", refinements as usize),
         ];
-        let why = "the response corrected by presses; it takes the response's place";
         let step = PlanStep::runs(NAME, why, &sizes).costing(work, rates);
         let after_design = self.steps.iter().position(|s| s.when == When::Frame);
         let place = after_design.unwrap_or(self.steps.len());

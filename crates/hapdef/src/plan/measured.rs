@@ -12,7 +12,10 @@ use crate::cache::StageRecord;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
-use crate::touch::{CALIBRATION_SITES, Calibration, PressQuality, response_map, superposition};
+use crate::touch::{
+    CALIBRATION_SITES, Calibration, N_STIFFNESS, PressQuality, UncertainParams, UncertainResponse,
+    response_map, superposition,
+};
 
 /// A step as it was expected and as it went.
 #[derive(Clone, Debug, Serialize)]
@@ -107,7 +110,9 @@ fn calibration_s(
 ) -> Result<f64, HapdefError> {
     let quality = PressQuality { noise_ue: draws.noise_ue, position_sd_m: 0.0, force_sd_n: 0.0 };
     let presses = draws.presses(n_presses);
+    let params = UncertainParams::of_scene(run, N_STIFFNESS);
     let start = Instant::now();
-    Calibration::fit(run, limb, &presses, &quality, CALIBRATION_SITES)?;
+    let response = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
+    Calibration::of_response(run, limb, &response, &presses, &quality, CALIBRATION_SITES)?;
     Ok(start.elapsed().as_secs_f64())
 }

@@ -187,13 +187,8 @@ impl CalibrationSession {
     /// [`HapdefError::Sim`] when the limb can't be solved; [`HapdefError::Inverse`] for parameters
     /// that can't be used.
     pub fn new(run: &Run, limb: &Limb, params: SessionParams) -> Result<Self, HapdefError> {
-        let solve = UncertainParams {
-            tip_radius_m: run.scene.contact.tip_radius_m,
-            refinements: run.scene.estimator.map_refinements(),
-            n_stiffness: params.n_stiffness,
-            n_threads: run.threads,
-        };
-        let response = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &solve)?;
+        let solve = UncertainParams::of_scene(run, params.n_stiffness);
+        let (response, _) = UncertainResponse::kept(run, limb, &limb.sites, &limb.gauges, &solve)?;
         let n_gauges = limb.gauges.len();
         let noise_ue = params.quality.noise_ue;
         let calibration = CalibrationParams {

@@ -141,15 +141,9 @@ fn summary(calibration: &Calibration) -> String {
 }
 
 fn modes(run: &Run, limb: &Limb, n_stiffness: usize) -> Result<Vec<BundleMode>, HapdefError> {
-    run.say("solving what may change the response");
-    let params = UncertainParams {
-        tip_radius_m: run.scene.contact.tip_radius_m,
-        // Only the modes are used, which are solved for on the limb's own mesh.
-        refinements: 0,
-        n_stiffness,
-        n_threads: run.threads,
-    };
-    let response = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
+    // Only the modes are used, which are solved for on the limb's own mesh.
+    let params = UncertainParams { refinements: 0, ..UncertainParams::of_scene(run, n_stiffness) };
+    let (response, _) = UncertainResponse::kept(run, limb, &limb.sites, &limb.gauges, &params)?;
     let mode = |mode: hapdef_inverse::ModeMap<'_>| BundleMode {
         map: mode.map.clone(),
         scope: mode.scope,

@@ -84,7 +84,7 @@ pub struct PressQuality {
 }
 
 impl Calibration {
-    /// Corrects the response of the scene's gauges by presses.
+    /// Corrects the response of the scene's gauges by presses; it is solved where the run's cache does not have it.
     ///
     /// # Errors
     /// [`HapdefError::Inverse`] for presses that can't be used; [`HapdefError::Sim`].
@@ -95,13 +95,8 @@ impl Calibration {
         quality: &PressQuality,
         n_sites: usize,
     ) -> Result<(Self, CalibrationInfo), HapdefError> {
-        let params = UncertainParams {
-            tip_radius_m: run.scene.contact.tip_radius_m,
-            refinements: run.scene.estimator.map_refinements(),
-            n_stiffness: N_STIFFNESS,
-            n_threads: run.threads,
-        };
-        let response = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
+        let params = UncertainParams::of_scene(run, N_STIFFNESS);
+        let (response, _) = UncertainResponse::kept(run, limb, &limb.sites, &limb.gauges, &params)?;
         Self::of_response(run, limb, &response, presses, quality, n_sites)
     }
 

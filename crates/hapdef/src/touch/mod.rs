@@ -7,6 +7,7 @@ mod chosen;
 mod diagnosis;
 mod fine;
 mod glued;
+mod kept_response;
 mod layout;
 mod layout_choice;
 mod learned_loads;

@@ -13,6 +13,7 @@ use super::shell::even_shell;
 use super::stiffness::stiffness_modes;
 use crate::error::HapdefError;
 use crate::limb::Limb;
+use crate::run::Run;
 
 /// Standard deviations before any press: a gauge's place, m, its angle, rad, and the stiffness of a
 /// part of the limb.
@@ -119,4 +120,16 @@ pub struct UncertainParams {
     pub n_stiffness: usize,
     /// Threads.
     pub n_threads: usize,
+}
+
+impl UncertainParams {
+    /// What the scene asks for, with `n_stiffness` stiffness modes.
+    pub(crate) fn of_scene(run: &Run, n_stiffness: usize) -> Self {
+        Self {
+            tip_radius_m: run.scene.contact.tip_radius_m,
+            refinements: run.scene.estimator.map_refinements(),
+            n_stiffness,
+            n_threads: run.threads,
+        }
+    }
 }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use hapdef::scene::SuperpositionSpec;
 use hapdef::touch::{
-    Calibration, LayoutParams, LimitsRequest, PressQuality, Touch, TouchEstimator, limits,
-    response_map, study_layouts, superposition, touch_estimator,
+    Calibration, LayoutParams, LimitsRequest, PressQuality, Touch, TouchEstimator, UncertainParams,
+    UncertainResponse, limits, response_map, study_layouts, superposition, touch_estimator,
 };
 use hapdef::{Limb, Profile, Progress, Run};
 use hapdef_inverse::{LimitParams, OtherLoads, Press, SkinPoint};
@@ -145,6 +145,51 @@ fn a_calibration_corrects_the_map_and_survives_its_file() {
     short.write(&path).unwrap();
     let error = Calibration::read(&path, &limb).unwrap_err().to_string();
     assert!(error.contains("site_error"), "{error}");
+}
+
+/// What a calibration rests on is solved once for a layout of gauges, and kept in 32 bits.
+#[test]
+fn a_response_is_solved_once_for_each_layout() {
+    let out = tempfile::tempdir().unwrap();
+    let run = run_in(out.path());
+    let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
+    let params = UncertainParams {
+        tip_radius_m: run.scene.contact.tip_radius_m,
+        refinements: 0,
+        n_stiffness: 2,
+        n_threads: 2,
+    };
+    let [sites, others] = [&limb.sites[..4], &limb.sites[3..]].map(|sites| {
+        let place = |site| {
+            GaugeStrain::with_params(&limb.mesh, &limb.boundary.faces, site, &limb.gauge_params)
+        };
+        (sites, sites.iter().map(|site| place(site).unwrap()).collect::<Vec<_>>())
+    });
+    let kept = |(sites, gauges): &(&[_], Vec<_>)| {
+        UncertainResponse::kept(&run, &limb, sites, gauges, &params).unwrap()
+    };
+    let n_stages = || {
+        let files = std::fs::read_dir(out.path().join("cache")).unwrap();
+        files.filter(|file| file.as_ref().unwrap().path().is_dir()).count()
+    };
+    let (first, made_s) = kept(&sites);
+    let (again, told_s) = kept(&sites);
+    assert_eq!((made_s.to_bits(), n_stages()), (told_s.to_bits(), 1));
+    let solved = UncertainResponse::solve(&limb, sites.0, &sites.1, &params).unwrap();
+    assert_eq!(solved.stiffness_modes.len(), 2);
+    let maps = |response: &UncertainResponse| {
+        let UncertainResponse { map, gauge_modes, stiffness_modes } = response.clone();
+        [map].into_iter().chain(gauge_modes).chain(stiffness_modes).collect::<Vec<_>>()
+    };
+    for ((first, again), solved) in maps(&first).iter().zip(maps(&again)).zip(maps(&solved)) {
+        let (first, solved) = (first.nodal(), solved.nodal());
+        assert_eq!(first, again.nodal());
+        let largest = solved.iter().fold(0.0_f64, |most, v| most.max(v.amax()));
+        let off = first.iter().zip(&solved).fold(0.0_f64, |most, (a, b)| most.max((a - b).amax()));
+        assert!(off < 1e-7 * largest, "{off} of {largest}");
+    }
+    let (other, _) = kept(&others);
+    assert_eq!((other.map.n_gauges(), n_stages()), (others.0.len(), 2));
 }
 
 /// What `hapdef place` recommends fits its wall wherever it is glued within the margin.
