@@ -9,8 +9,8 @@
 //! follows contacts from frame to frame in bounded time. [`single_bounds`],
 //! [`joint_bounds`] and [`carried_contacts`] are the limits of a layout; [`place_greedy`] and
 //! [`exchange`] choose one. [`Calibrated::fit`] corrects a map by presses of known place and force and
-//! estimates its error; a [`Conditioner`] takes tare, drift, temperature and creep off raw readings and
-//! masks bad gauges.
+//! estimates its error, and [`Recalibration`] follows the gauges' gains from one known touch in use to the
+//! next; a [`Conditioner`] takes tare, drift, temperature and creep off raw readings and masks bad gauges.
 //!
 //! Everything comes and goes as arrays: this crate knows nothing of files, ports or nets.
 
@@ -30,6 +30,7 @@ mod noise;
 mod other_loads;
 mod patch;
 mod placement;
+mod recalibration;
 mod response;
 mod sites;
 mod skin;
@@ -63,6 +64,9 @@ pub use placement::{
     Candidates, CoverParams, PlacementParams, PlacementScore, cover, exchange, place_entropy,
     place_greedy, place_mutual_information, place_nearest_neighbours, place_pca_qr, place_random,
     placement_score, smallest_seen_n,
+};
+pub use recalibration::{
+    GainChange, KnownTouch, Recalibration, RecalibrationParams, TouchInfo, TouchZero,
 };
 pub use response::{ResponseMap, ResponseParams};
 pub use sites::ScanSites;

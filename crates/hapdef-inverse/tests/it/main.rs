@@ -13,6 +13,7 @@ mod examples;
 mod limb;
 mod other_loads;
 mod placement;
+mod recalibration;
 mod recovery;
 mod response;
 mod search;
