@@ -18,6 +18,7 @@ mod layout;
 mod live;
 mod live_frame;
 mod profile;
+mod recalibration;
 mod response;
 mod rig;
 mod scene;

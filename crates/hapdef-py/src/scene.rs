@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use hapdef::scene::{EstimatorSpec, GaugeEntry, SuperpositionSpec};
 use hapdef::stages::compliance_table;
-use hapdef::touch::{LayoutParams, LearnedLoads, SearchPlace, response_map, study_layouts};
+use hapdef::touch::{
+    LayoutParams, LearnedLoads, SearchPlace, TouchAssumptions, response_map, study_layouts,
+};
 use hapdef::{OpenParams, OpenScene, Pipeline, Progress, RigPlay, Until, write_json};
 use nalgebra::Point3;
 use numpy::{PyArray2, PyArray3};
@@ -22,6 +24,7 @@ use crate::layout::PyLayout;
 use crate::live::{LiveRequest, PyLive};
 use crate::live_frame::PyLiveFrame;
 use crate::profile;
+use crate::recalibration::{TouchTable, recalibrate, undo_touches};
 use crate::response::PyResponse;
 use crate::rig::PyRig;
 use crate::work::work;
@@ -285,6 +288,41 @@ impl PyScene {
             n_sites,
         };
         PyCalibration::fit(py, self.scene.clone(), table)
+    }
+
+    /// Brings the scene's calibration up to date by known touches; what became of each, as the journal has it.
+    #[pyo3(signature = (positions_m, forces_n, readings_ue, *, times_s = None, noise_ue = 1.0, position_sd_m = 5e-4, force_sd_n = 0.1, off_skin_m = 2e-3))]
+    #[expect(clippy::too_many_arguments, reason = "named in Python")]
+    fn recalibrate<'py>(
+        &self,
+        py: Python<'py>,
+        positions_m: Table<'py>,
+        forces_n: Table<'py>,
+        readings_ue: Table<'py>,
+        times_s: Option<Numbers<'py>>,
+        noise_ue: f64,
+        position_sd_m: f64,
+        force_sd_n: f64,
+        off_skin_m: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let positions_m = triples("positions_m", &positions_m)?;
+        let n = positions_m.len();
+        let table = TouchTable {
+            forces_n: triples("forces_n", &forces_n)?,
+            readings_ue: rows("readings_ue", &readings_ue, self.n_gauges())?,
+            times_s: times_s.map(|times| numbers("times_s", &times, n)).transpose()?,
+            positions_m,
+            position_sd_m,
+            force_sd_n,
+        };
+        let assumed = TouchAssumptions { noise_ue, off_skin_m, ..TouchAssumptions::default() };
+        recalibrate(py, &self.scene, table, assumed)
+    }
+
+    /// Undoes the last `n` known touches that were taken, or all; returns how many.
+    #[pyo3(signature = (n = None))]
+    fn undo_touches(&self, py: Python<'_>, n: Option<usize>) -> PyResult<usize> {
+        undo_touches(py, &self.scene, n)
     }
 
     /// Runs the pipeline up to `until` ('simulate', 'dataset', 'train' or 'eval') and returns the

@@ -120,8 +120,21 @@ class Presses(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "calibration.json"
             calibration.write(path)
-            again = self.scene.with_superposition(calibration=path).estimator()
-        self.assertEqual(self.miss_mm(again, frames, others), after)
+            calibrated = self.scene.with_superposition(calibration=path)
+            self.assertEqual(self.miss_mm(calibrated.estimator(), frames, others), after)
+            self.known_touches_bring_gains_back(calibrated)
+
+    def known_touches_bring_gains_back(self, scene):
+        """Gains off by 4 %, and the same places pressed again."""
+        places, forces_n = spread(scene, 20, 5)
+        readings_ue = 1.04 * self.rig.press(places, forces_n, seed=3)
+        gaps = np.linalg.norm(scene.surface_m[None] - places[:, None], axis=2)
+        forces = scene.directions[np.argmin(gaps, axis=1)] * forces_n[:, None]
+        taken = scene.recalibrate(places, forces, readings_ue)
+        self.assertEqual(len(taken), 20)
+        self.assertGreater(sum(touch["is_accepted"] for touch in taken), 15)
+        self.assertAlmostEqual(np.mean(taken[-1]["gains_after"]), 0.04, delta=0.015)
+        self.assertEqual(scene.undo_touches(), sum(touch["is_accepted"] for touch in taken))
 
     @staticmethod
     def miss_mm(estimator, frames, places):

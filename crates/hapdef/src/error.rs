@@ -120,6 +120,13 @@ pub enum HapdefError {
          make the file with `hapdef calibrate`, or leave the field out"
     )]
     Calibration { path: PathBuf, what: String },
+    #[error(
+        "{scene}: estimator.calibration: expected the file that known touches keep up to date, found none; make one \
+         with `hapdef calibrate` and name it there"
+    )]
+    NoCalibration { scene: String },
+    #[error("{path}: {what}")]
+    Journal { path: PathBuf, what: String },
     #[error("geometry.skin_gltf: {0}; the path is relative to the scene file")]
     SkinGltf(#[source] Box<MeshError>),
     #[error(

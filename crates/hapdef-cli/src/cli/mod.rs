@@ -34,6 +34,7 @@ mod place;
 mod plan;
 mod print;
 mod probe;
+mod recalibrate;
 mod record;
 mod recover;
 mod replay;
@@ -116,6 +117,8 @@ enum Command {
     Probe(probe::ProbeArgs),
     /// Corrects the response of the gauges by a table of presses.
     Calibrate(calibrate_args::CalibrateArgs),
+    /// Known touches in use keep the calibration up to date: gains that drift, touch by touch; can be undone.
+    Recalibrate(recalibrate::RecalibrateArgs),
     /// Learns from frames in which nothing touches what a robot's own motion does to the gauges.
     Loads(loads::LoadsArgs),
     /// The virtual limb as a device that speaks HDP1 on a pseudo-terminal or over TCP.
@@ -204,6 +207,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Print(args) => print::run(args),
         Command::Probe(args) => probe::run(args),
         Command::Calibrate(args) => calibrate::calibrate(args),
+        Command::Recalibrate(args) => recalibrate::recalibrate(args),
         Command::Loads(args) => loads::run(args),
         Command::Rig(args) => rig::rig(args),
         Command::Contacts(args) => contacts::run(args),

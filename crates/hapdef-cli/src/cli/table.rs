@@ -60,20 +60,28 @@ pub(super) fn contact_columns(i: usize) -> [String; 4] {
 /// # Errors
 /// A table that names none.
 pub(super) fn n_contacts(path: &Path) -> Result<usize> {
-    let file = shown(path);
-    let bytes = std::fs::read(path).with_context(|| format!("{file}: reading"))?;
-    let text = String::from_utf8_lossy(&bytes);
-    let names =
-        lines(&text).next().map_or_else(Vec::new, |(_, line)| fields(line, separator(line)));
+    let names = column_names(path)?;
     let is_named = |name: &String| names.iter().any(|found| found.eq_ignore_ascii_case(name));
     let n = (0..).take_while(|&i| contact_columns(i).iter().all(is_named)).count();
     ensure!(
         n > 0,
-        "{file}: names of columns: expected {}, found {}",
+        "{}: names of columns: expected {}, found {}",
+        shown(path),
         contact_columns(0).join(", "),
         names.join(", ")
     );
     Ok(n)
+}
+
+/// The fields of the first line of the table at `path`, which are names where it has some.
+///
+/// # Errors
+/// A file that can't be read.
+pub(super) fn column_names(path: &Path) -> Result<Vec<String>> {
+    let bytes = std::fs::read(path).with_context(|| format!("{}: reading", shown(path)))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let first = lines(&text).next().map(|(_, line)| fields(line, separator(line)));
+    Ok(first.unwrap_or_default().into_iter().map(str::to_owned).collect())
 }
 
 fn rows(text: &str, leading: &[&str], gauges: &[&str]) -> Result<Vec<Row>> {

@@ -18,6 +18,7 @@ mod mesh_command;
 mod new_limb;
 mod person;
 mod printed;
+mod recalibrate_command;
 mod recording_commands;
 mod shell_limb_command;
 #[path = "../../../hapdef/tests/it/shell_limb_common/mod.rs"]

@@ -1,6 +1,6 @@
 //! Gains and zeros, followed from touch to touch.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Point3};
 
 use super::change::GainChange;
 use super::output::TouchInfo;
@@ -16,20 +16,18 @@ use crate::response::ResponseMap;
 #[derive(Clone, Debug)]
 pub struct Recalibration {
     params: RecalibrationParams,
-    /// Gains, then zeros `[2 n_gauges]`.
+    /// Gains, then zeros, then the map's error at each place, per newton `[2 + n_places, n_gauges]`.
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
     places: Places,
     n_touches: usize,
 }
 
-/// value = H x + strength e(place) + noise.
+/// value = H x + noise.
 struct Seen {
     h: DMatrix<f64>,
     value: DVector<f64>,
     noise: DMatrix<f64>,
-    /// Index of the place, and what its error is multiplied by, N.
-    place: Option<(usize, f64)>,
 }
 
 /// What was seen beyond what was expected.
@@ -90,7 +88,7 @@ impl Recalibration {
         let innovation = next.innovation(&seen)?;
         let mut info = next.info(&seen, &innovation, has_new_zeros);
         if info.is_accepted {
-            next.correct(&seen, &innovation);
+            next.correct(innovation);
             info.gains_after = next.gains().to_vec();
             *self = next;
         }
@@ -161,10 +159,9 @@ impl Recalibration {
         let m = self.n_gauges();
         let variances = self.params.gauge_sd.iter().map(|sd| sd * sd);
         let seen = Seen {
-            h: DMatrix::from_fn(m, 2 * m, |i, j| if j == m + i { 1.0 } else { 0.0 }),
+            h: DMatrix::from_fn(m, self.mean.len(), |i, j| if j == m + i { 1.0 } else { 0.0 }),
             value: DVector::from_column_slice(readings),
             noise: DMatrix::from_diagonal(&DVector::from_iterator(m, variances)),
-            place: None,
         };
         let innovation = self.innovation(&seen)?;
         let is_far = innovation.p_value() < self.params.refuse_p;
@@ -172,7 +169,7 @@ impl Recalibration {
             self.forget_zeros();
         }
         let innovation = self.innovation(&seen)?;
-        self.correct(&seen, &innovation);
+        self.correct(innovation);
         Ok(is_far)
     }
 
@@ -183,51 +180,59 @@ impl Recalibration {
             self.covariance.row_mut(i).fill(0.0);
             self.covariance.column_mut(i).fill(0.0);
             self.covariance[(i, i)] = self.params.zero_sd.powi(2);
-            self.places.0.iter_mut().for_each(|place| place.cross.row_mut(i).fill(0.0));
         }
     }
 
     /// What a touch shows; its place is remembered.
     fn seen(&mut self, expected: Expected, map_error: &[f64], touch: &KnownTouch) -> Seen {
-        let (m, s) = (self.n_gauges(), &expected.response);
-        let zero = if touch.zero == TouchZero::Tared { 0.0 } else { 1.0 };
-        let h = DMatrix::from_fn(m, 2 * m, |i, j| match j {
-            j if j == i => s[i],
-            j if j == m + i => zero,
-            _ => 0.0,
-        });
-        let value = DVector::from_column_slice(&touch.readings) - s;
+        let m = self.n_gauges();
         let mut noise = expected.noise;
         let mut place = None;
         if !map_error.is_empty() {
             let error = DMatrix::from_row_slice(m, m, map_error);
-            let (length_m, most) = (self.params.map_length_m, self.params.max_places);
-            let (index, alike) =
-                self.places.like(&expected.position, length_m).unwrap_or_else(|| {
-                    let (position, touch) = (expected.position, self.n_touches);
-                    (self.places.add(position, error.clone(), touch, most), 1.0)
-                });
-            self.places.0[index].last_touch = self.n_touches;
+            let (index, alike) = self.place(&expected.position, &error);
             noise += error * (expected.force_n.powi(2) * (1.0 - alike * alike));
             place = Some((index, expected.force_n * alike));
         }
-        Seen { h, value, noise, place }
+        let mut h = DMatrix::zeros(m, self.mean.len());
+        for i in 0..m {
+            h[(i, i)] = expected.response[i];
+            h[(i, m + i)] = if touch.zero == TouchZero::Tared { 0.0 } else { 1.0 };
+            if let Some((index, force_n)) = place {
+                h[(i, (2 + index) * m + i)] = force_n;
+            }
+        }
+        let value = DVector::from_column_slice(&touch.readings) - expected.response;
+        Seen { h, value, noise }
     }
 
-    /// ν = y − H x and its covariance S = H P Hᵀ + H X Jᵀ + J Xᵀ Hᵀ + J C Jᵀ + R, with X the covariance of the
-    /// state's error with the map's, and J what the map's is multiplied by.
-    fn innovation(&self, seen: &Seen) -> Result<Innovation, InverseError> {
-        let mut shared = &self.covariance * seen.h.transpose();
-        let mut covariance = &seen.h * &shared + &seen.noise;
-        if let Some((index, strength)) = seen.place {
-            let place = &self.places.0[index];
-            let crossed = &seen.h * &place.cross * strength;
-            covariance += &crossed + crossed.transpose() + &place.error * strength.powi(2);
-            shared += &place.cross * strength;
+    /// The place of the state whose map error is most like that at `position`, and their correlation: a new one
+    /// where all are far, with the map's `error` there.
+    fn place(&mut self, position: &Point3<f64>, error: &DMatrix<f64>) -> (usize, f64) {
+        let (m, touch) = (self.n_gauges(), self.n_touches);
+        if let Some((index, alike)) = self.places.like(position, self.params.map_length_m) {
+            self.places.touched(index, touch);
+            return (index, alike);
         }
-        let covariance = symmetric(&covariance);
-        let factor = covariance.clone().cholesky();
+        if let Some(oldest) = self.places.make_room(self.params.max_places) {
+            let start = (2 + oldest) * m;
+            self.mean = std::mem::take(&mut self.mean).remove_rows(start, m);
+            let covariance = std::mem::take(&mut self.covariance);
+            self.covariance = covariance.remove_rows(start, m).remove_columns(start, m);
+        }
+        let n = self.mean.len();
+        self.mean = std::mem::take(&mut self.mean).resize_vertically(n + m, 0.0);
+        self.covariance = std::mem::take(&mut self.covariance).resize(n + m, n + m, 0.0);
+        self.covariance.view_mut((n, n), (m, m)).copy_from(error);
+        (self.places.add(*position, touch), 1.0)
+    }
+
+    /// ν = y − H x and its covariance S = H P Hᵀ + R.
+    fn innovation(&self, seen: &Seen) -> Result<Innovation, InverseError> {
+        let shared = &self.covariance * seen.h.transpose();
+        let covariance = symmetric(&(&seen.h * &shared + &seen.noise));
         let what = "the covariance of a touch's readings";
+        let factor = covariance.clone().cholesky();
         let factor = factor.ok_or(InverseError::NotPositiveDefinite { what })?;
         let value = &seen.value - &seen.h * &self.mean;
         Ok(Innovation { value, covariance, factor, shared })
@@ -252,29 +257,13 @@ impl Recalibration {
         }
     }
 
-    /// x ← x + K ν with K = (P Hᵀ + X Jᵀ) S⁻¹; covariances in Joseph's form, which keeps them positive (Bucy & Joseph,
-    /// Filtering for Stochastic Processes, 1968).
-    fn correct(&mut self, seen: &Seen, innovation: &Innovation) {
-        let gain = innovation.factor.solve(&innovation.shared.transpose()).transpose();
-        self.mean += &gain * &innovation.value;
-        let n = self.mean.len();
-        let left = DMatrix::identity(n, n) - &gain * &seen.h;
-        let mut covariance =
-            &left * &self.covariance * left.transpose() + &gain * &seen.noise * gain.transpose();
-        for (index, place) in self.places.0.iter_mut().enumerate() {
-            let kept = &left * &place.cross;
-            place.cross = match seen.place {
-                Some((touched, strength)) if touched == index => {
-                    let crossed = &kept * gain.transpose() * strength;
-                    let considered = &gain * &place.error * strength;
-                    covariance += &considered * gain.transpose() * strength;
-                    covariance -= &crossed + crossed.transpose();
-                    kept - considered
-                }
-                _ => kept,
-            };
-        }
-        self.covariance = symmetric(&covariance);
+    /// x ← x + P Hᵀ S⁻¹ ν and P ← P − P Hᵀ S⁻¹ H P, as W Wᵀ with W = P Hᵀ L⁻ᵀ and S = L Lᵀ.
+    fn correct(&mut self, innovation: Innovation) {
+        self.mean += &innovation.shared * innovation.factor.solve(&innovation.value);
+        let mut whitened = innovation.shared.transpose();
+        innovation.factor.l_dirty().solve_lower_triangular_mut(&mut whitened);
+        self.covariance.gemm_tr(-1.0, &whitened, &whitened, 1.0);
+        self.covariance = symmetric(&self.covariance);
     }
 }
 

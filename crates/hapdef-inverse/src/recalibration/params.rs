@@ -39,7 +39,7 @@ impl RecalibrationParams {
             zero_sd: 1e3 * largest,
             zero_drift_per_touch: 5.0 * largest,
             map_length_m: 0.01,
-            max_places: 64,
+            max_places: 32,
             refuse_p: 1e-6,
         }
     }

@@ -150,6 +150,23 @@ class Scene:
         """Corrects the response by presses: places, m, ``[n, 3]``; normal forces, N, ``[n]``; tared
         readings, µε, ``[n, n_gauges]``. The standard deviations are of a reading, of a place along
         the skin and of a force."""
+    def recalibrate(
+        self,
+        positions_m: ArrayLike,
+        forces_n: ArrayLike,
+        readings_ue: ArrayLike,
+        *,
+        times_s: Optional[ArrayLike] = None,
+        noise_ue: float = 1.0,
+        position_sd_m: float = 5e-4,
+        force_sd_n: float = 0.1,
+        off_skin_m: float = 2e-3,
+    ) -> list[dict[str, Any]]:
+        """Brings the file that the scene names as ``estimator.calibration`` up to date by known touches: places, m,
+        ``[n, 3]``; forces on the skin, N, ``[n, 3]``; tared readings, µε, ``[n, n_gauges]``; when, s, ``[n]``. What
+        became of each, as the journal beside the file has it: ``is_accepted``, ``chi2``, ``gains_after`` ..."""
+    def undo_touches(self, n: Optional[int] = None) -> int:
+        """Undoes the last ``n`` known touches that were taken, or all; how many these were."""
     def train(
         self, until: Literal["simulate", "dataset", "train", "eval"] = "train"
     ) -> list[dict[str, Any]]:

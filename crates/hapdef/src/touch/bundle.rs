@@ -84,8 +84,9 @@ impl Source {
             });
         };
         let calibration = Calibration::read(&run.scene_dir.join(path), limb)?;
+        let (map, site_error) = calibration.as_now(limb)?;
         Ok(Self {
-            map: calibration.map(limb)?,
+            map,
             loads: calibrated_loads(run, limb)?,
             settings: SuperpositionSettings {
                 map_error: 0.0,
@@ -94,7 +95,7 @@ impl Source {
                 ..settings
             },
             calibration_json: Some(summary(&calibration)),
-            site_error: calibration.site_error(),
+            site_error,
         })
     }
 }
@@ -128,7 +129,7 @@ pub fn calibration_in_use(run: &Run, limb: &Limb) -> Result<Option<String>, Hapd
 
 /// What a calibration rests on, without its arrays.
 fn summary(calibration: &Calibration) -> String {
-    serde_json::json!({
+    let mut rests_on = serde_json::json!({
         "scene": calibration.scene,
         "presses_hash": calibration.presses_hash,
         "n_presses": calibration.n_presses,
@@ -136,8 +137,11 @@ fn summary(calibration: &Calibration) -> String {
         "relative_error": calibration.relative_error,
         "relative_error_before": calibration.relative_error_before,
         "noise_ue": calibration.noise_ue,
-    })
-    .to_string()
+    });
+    if let Some(since) = &calibration.since {
+        rests_on["since"] = serde_json::json!(since);
+    }
+    rests_on.to_string()
 }
 
 fn modes(run: &Run, limb: &Limb, n_stiffness: usize) -> Result<Vec<BundleMode>, HapdefError> {

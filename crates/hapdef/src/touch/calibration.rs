@@ -8,8 +8,8 @@ use flate2::Compression;
 use flate2::read::MultiGzDecoder;
 use flate2::write::GzEncoder;
 use hapdef_inverse::{
-    Calibrated, CalibrationInfo, CalibrationParams, ContactEstimator, ModelError, NoiseParams,
-    Press, ResponseMap, ScanSites, tip_ring_m,
+    Calibrated, CalibrationInfo, CalibrationParams, ContactEstimator, GainChange, ModelError,
+    NoiseParams, Press, ResponseMap, ScanSites, tip_ring_m,
 };
 use hapdef_mesh::atomic_write;
 use nalgebra::Vector3;
@@ -66,6 +66,21 @@ pub struct Calibration {
     /// Factor of a place's reported covariance, from presses that were held out; 1 in files without it.
     #[serde(default = "unchanged")]
     pub place_factor: f64,
+    /// What known touches have shown of the gains since; none in files without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub since: Option<GainsSince>,
+}
+
+/// How the gauges' gains have changed since a calibration, by known touches in use.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct GainsSince {
+    /// Touches that this rests on.
+    pub n_touches: usize,
+    /// Relative change of each gauge's gain `[n_gauges]`.
+    pub gains: Vec<f64>,
+    /// Its covariance `[n_gauges, n_gauges]`.
+    pub covariance: Vec<f64>,
 }
 
 fn unchanged() -> f64 {
@@ -137,6 +152,7 @@ impl Calibration {
             adjoint_ue_per_n: adjoint.collect(),
             site_error: site_error.map(six_digits).collect(),
             place_factor: fitted.model_error.place_factor,
+            since: None,
         };
         Ok((calibration, fitted.info))
     }
@@ -173,11 +189,17 @@ impl Calibration {
             true => subdivided,
             false => n_nodes,
         };
+        let [n_gains, n_covariance] =
+            read.since.as_ref().map_or([n_gauges, n_gauges * n_gauges], |since| {
+                [since.gains.len(), since.covariance.len()]
+            });
         let checks = [
             ("version", VERSION as usize, read.version as usize),
             ("n_gauges", n_gauges, read.n_gauges),
             ("adjoint_ue_per_n", n_values * n_gauges, read.adjoint_ue_per_n.len()),
             ("site_error", read.n_sites * n_gauges * n_gauges, read.site_error.len()),
+            ("since.gains", n_gauges, n_gains),
+            ("since.covariance", n_gauges * n_gauges, n_covariance),
         ];
         for (name, expected, found) in checks {
             if expected != found {
@@ -192,20 +214,31 @@ impl Calibration {
         Ok(read)
     }
 
-    /// The corrected map.
+    /// The map as the presses corrected it, and the covariance of its error at each site.
     ///
     /// # Errors
     /// [`HapdefError::Inverse`] for values that can't be used.
-    pub(super) fn map(&self, limb: &Limb) -> Result<ResponseMap, HapdefError> {
+    pub(super) fn as_pressed(&self, limb: &Limb) -> Result<(ResponseMap, Vec<f64>), HapdefError> {
         let values = self.adjoint_ue_per_n.iter();
         let values: Vec<_> = values.map(|v| Vector3::from(*v).cast::<f64>()).collect();
         let skin = touchable_skin(limb)?;
-        Ok(ResponseMap::from_values(skin, self.n_gauges, &values)?)
+        let map = ResponseMap::from_values(skin, self.n_gauges, &values)?;
+        Ok((map, self.site_error.iter().map(|value| f64::from(*value)).collect()))
     }
 
-    /// [`Calibration::site_error`] in double precision.
-    pub(super) fn site_error(&self) -> Vec<f64> {
-        self.site_error.iter().map(|value| f64::from(*value)).collect()
+    /// The same with the gains as they are now.
+    ///
+    /// # Errors
+    /// [`HapdefError::Inverse`] for values that can't be used.
+    pub(super) fn as_now(&self, limb: &Limb) -> Result<(ResponseMap, Vec<f64>), HapdefError> {
+        let (map, site_error) = self.as_pressed(limb)?;
+        let Some(since) = &self.since else {
+            return Ok((map, site_error));
+        };
+        let GainsSince { gains, covariance, .. } = since.clone();
+        let change = GainChange { gains, covariance };
+        let sites = ScanSites::farthest(map.skin(), self.n_sites)?;
+        Ok((change.map(&map)?, change.site_error(&map, &sites, &site_error)?))
     }
 
     /// The estimator on this map.
@@ -218,13 +251,13 @@ impl Calibration {
         spec: &SuperpositionSpec,
         limb: &Limb,
     ) -> Result<ContactEstimator, HapdefError> {
-        let map = self.map(limb)?;
+        let (map, per_site) = self.as_now(limb)?;
         let sites = ScanSites::farthest(map.skin(), self.n_sites)?;
         let noise = NoiseParams {
             model_error: ModelError {
                 friction_rms: friction_rms(spec.friction),
                 tip_ring_m: tip_ring_m(spec.widest_tip_m, scene.contact.tip_radius_m),
-                per_site: self.site_error(),
+                per_site,
                 place_factor: self.place_factor,
                 ..ModelError::default()
             },

@@ -16,6 +16,7 @@ mod model;
 mod modes;
 mod other_loads;
 mod probing;
+mod recalibration;
 mod response;
 mod score;
 mod shell;
@@ -25,7 +26,7 @@ mod superposition;
 
 pub use bundle::{BundleRequest, calibration_in_use, make_bundle};
 pub(crate) use calibration::N_STIFFNESS;
-pub use calibration::{CALIBRATION_SITES, Calibration, PressQuality};
+pub use calibration::{CALIBRATION_SITES, Calibration, GainsSince, PressQuality};
 pub use chosen::{
     ChainStages, by_superposition, chain_stages, live_estimator, touch_estimator, tracker_params,
 };
@@ -46,6 +47,10 @@ pub(crate) use model::{LimbModel, model_estimate};
 pub use modes::{UncertainParams, UncertainResponse};
 pub use other_loads::other_loads;
 pub use probing::{ProbeParams, ProbedPress, ProbedRig};
+pub use recalibration::{
+    DeclaredForce, DeclaredTouch, JournalEntry, JournalTouch, JournalUndo, Recalibrator,
+    TouchAssumptions,
+};
 pub use response::{response_map, response_with_loads, touchable_skin};
 pub use score::TouchScore;
 pub use superposition::{estimator_params, estimator_settings, superposition};

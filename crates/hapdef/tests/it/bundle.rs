@@ -95,6 +95,7 @@ fn a_calibrated_scene_takes_its_calibration_along() {
         adjoint_ue_per_n: adjoint.collect(),
         site_error: (0..n_sites * 100).map(|i| error(i % 100)).collect(),
         place_factor: 1.4,
+        since: None,
     };
     let path = out.path().join("calibration.json");
     calibration.write(&path).unwrap();

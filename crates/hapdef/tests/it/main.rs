@@ -15,6 +15,7 @@ mod moving;
 mod phantom;
 mod plan;
 mod print;
+mod recalibration;
 mod saturation;
 mod scene_search;
 mod session;

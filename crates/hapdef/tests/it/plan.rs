@@ -177,6 +177,7 @@ fn calibration(run: &Run, limb: &Limb) -> Calibration {
         adjoint_ue_per_n: vec![[1.0; 3]; n_gauges * limb.n_surface_nodes()],
         site_error: vec![0.0; n_sites * n_gauges * n_gauges],
         place_factor: 1.0,
+        since: None,
     }
 }
 
