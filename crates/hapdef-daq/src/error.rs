@@ -44,6 +44,8 @@ pub enum DaqError {
     NoTopic { path: std::path::PathBuf, topic: String, found: String },
     #[error("{path}: topic {topic}: {message}")]
     NoNumbers { path: std::path::PathBuf, topic: String, message: String },
+    #[error("the definition of {type_name}: {message}")]
+    NoDefinition { type_name: String, message: String },
     #[error("the calibration record is no JSON object: {message}")]
     BadCalibration { message: String },
 }

@@ -3,7 +3,7 @@
 //! [`RosEncoder`] makes CDR messages of plain structs ([`Readings`], [`hapdef_contact::Touch`], [`Health`]) and
 //! hands them to a [`MessageSink`]: [`McapSink`] writes them beside the raw readings of a recording,
 //! `FoxgloveServer` (feature `foxglove`) shows them live, `ZenohSink` (feature `zenoh`) publishes
-//! them as ROS 2 does by rmw_zenoh. [`topics()`] lists what is said where; docs/ros.md explains it.
+//! them as ROS 2 does by rmw_zenoh; `ZenohSource` (the same feature) reads others' topics so. [`topics()`] lists what is said where; docs/ros.md explains it.
 //!
 //! This crate knows nothing of how contacts are found.
 
@@ -24,7 +24,11 @@ mod sink;
 mod slots;
 mod topics;
 #[cfg(feature = "zenoh")]
+mod zenoh_session;
+#[cfg(feature = "zenoh")]
 mod zenoh_sink;
+#[cfg(feature = "zenoh")]
+mod zenoh_source;
 
 pub use cdr::{from_cdr, to_cdr};
 pub use encode::RosEncoder;
@@ -38,3 +42,5 @@ pub use sink::{MessageSink, Sinks};
 pub use topics::{RosParams, TopicKind, topics};
 #[cfg(feature = "zenoh")]
 pub use zenoh_sink::{ZenohParams, ZenohSink};
+#[cfg(feature = "zenoh")]
+pub use zenoh_source::{ZenohSource, ZenohSourceParams};

@@ -36,8 +36,17 @@ const DEFINITIONS: &[(&str, &str)] = definitions![
     "hapdef_msgs" / "Gauges",
     "hapdef_msgs" / "Status",
     "sensor_msgs" / "CompressedImage",
+    "sensor_msgs" / "JointState",
     "std_msgs" / "ColorRGBA",
+    "std_msgs" / "Float32MultiArray",
+    "std_msgs" / "Float64MultiArray",
     "std_msgs" / "Header",
+    "std_msgs" / "Int16MultiArray",
+    "std_msgs" / "Int32MultiArray",
+    "std_msgs" / "MultiArrayDimension",
+    "std_msgs" / "MultiArrayLayout",
+    "std_msgs" / "UInt16MultiArray",
+    "std_msgs" / "UInt32MultiArray",
     "tf2_msgs" / "TFMessage",
     "visualization_msgs" / "Marker",
     "visualization_msgs" / "MarkerArray",
@@ -45,7 +54,7 @@ const DEFINITIONS: &[(&str, &str)] = definitions![
     "visualization_msgs" / "UVCoordinate",
 ];
 
-/// Type hashes of the messages that have topics, by REP-2016: SHA-256 over the type's description.
+/// Type hashes of the messages that have topics and of those that are read as readings, by REP-2016: SHA-256 over the type's description.
 /// `scripts/read_back.py --hashes` computes them with rosbags.
 const HASHES: &[(&str, &str)] = &[
     (
@@ -69,6 +78,34 @@ const HASHES: &[(&str, &str)] = &[
         "RIHS01_83fe54b65cd00d9734055bd81dcfc060a619707b7705d1418f47a07ee7a42038",
     ),
     (
+        "sensor_msgs/JointState",
+        "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e",
+    ),
+    (
+        "std_msgs/Float32MultiArray",
+        "RIHS01_0599f6f85b4bfca379873a0b4375a0aca022156bd2d7021275d116ed1fa8bfe0",
+    ),
+    (
+        "std_msgs/Float64MultiArray",
+        "RIHS01_1025ddc6b9552d191f89ef1a8d2f60f3d373e28b283d8891ddcc974e8c55397f",
+    ),
+    (
+        "std_msgs/Int16MultiArray",
+        "RIHS01_b58810e8e5b90fb19a5062469eb8409f5ab11a446d60de7157a1457e52a076ce",
+    ),
+    (
+        "std_msgs/Int32MultiArray",
+        "RIHS01_84a7346323525d1b4dfca899df3820f245e54009dac5a6b69217d14fdefd1701",
+    ),
+    (
+        "std_msgs/UInt16MultiArray",
+        "RIHS01_94fe73428ec63baecc774f8fb82406123e9291cf728f1b7c91caf5335129492b",
+    ),
+    (
+        "std_msgs/UInt32MultiArray",
+        "RIHS01_6c2577c7ad3cbdcc2164a41c12f1d5ad314ea320f3fb1ee47e78019fe16bb5b0",
+    ),
+    (
         "tf2_msgs/TFMessage",
         "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087",
     ),
@@ -76,6 +113,19 @@ const HASHES: &[(&str, &str)] = &[
         "visualization_msgs/MarkerArray",
         "RIHS01_86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf",
     ),
+];
+
+/// Messages whose numbers can be readings, as they are named where another one comes.
+#[cfg(feature = "zenoh")]
+pub(crate) const READABLE: [&str; 8] = [
+    "std_msgs/Float64MultiArray",
+    "std_msgs/Float32MultiArray",
+    "std_msgs/Int32MultiArray",
+    "std_msgs/Int16MultiArray",
+    "std_msgs/UInt32MultiArray",
+    "std_msgs/UInt16MultiArray",
+    "sensor_msgs/JointState",
+    "hapdef_msgs/Gauges",
 ];
 
 /// The definition of a message, by package and name (`geometry_msgs/WrenchStamped`), with those of
@@ -110,7 +160,14 @@ pub fn dds_name(name: &str) -> String {
     format!("{package}::msg::dds_::{name}_")
 }
 
-/// The message's type hash; none for a message without a topic.
+/// The message of a name in DDS; a name of another form as it is.
+#[cfg(any(test, feature = "zenoh"))]
+pub(crate) fn message_name(dds_name: &str) -> String {
+    let inner = dds_name.strip_suffix('_').and_then(|name| name.split_once("::msg::dds_::"));
+    inner.map_or(dds_name.to_owned(), |(package, name)| format!("{package}/{name}"))
+}
+
+/// The message's type hash; none for one that has no topic and is not read.
 #[must_use]
 pub fn type_hash(name: &str) -> Option<&'static str> {
     lookup(HASHES, name)
@@ -177,6 +234,8 @@ mod tests {
     fn names_in_dds_are_those_of_ros() {
         let name = dds_name("geometry_msgs/WrenchStamped");
         assert_eq!(name, "geometry_msgs::msg::dds_::WrenchStamped_");
+        assert_eq!(message_name(&name), "geometry_msgs/WrenchStamped");
+        assert_eq!(message_name("x_"), "x_");
         assert_eq!(type_hash("geometry_msgs/Wrench"), None);
     }
 }

@@ -8,6 +8,7 @@ use crate::error::RosError;
 use crate::rmw_names::{GID_LEN, Node, attachment, node_token, publisher_token, topic_key};
 use crate::sink::MessageSink;
 use crate::topics::{RosParams, TopicKind};
+use crate::zenoh_session::{ROUTER, fault, open};
 
 /// How ROS is reached.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,7 +43,7 @@ impl Default for ZenohParams {
         Self {
             domain_id: 0,
             node: "hapdef".to_owned(),
-            connect: vec!["tcp/localhost:7447".to_owned()],
+            connect: vec![ROUTER.to_owned()],
             listen: Vec::new(),
         }
     }
@@ -55,7 +56,7 @@ impl ZenohSink {
     /// A parameter that is out of range, a router that is not there.
     pub fn open(params: &RosParams, zenoh: &ZenohParams) -> Result<Self, RosError> {
         params.check()?;
-        let session = zenoh::open(config(zenoh)?).wait().map_err(fault)?;
+        let session = open(&zenoh.connect, &zenoh.listen)?;
         let zid = session.zid();
         let node =
             Node { domain_id: zenoh.domain_id, session: &zid.to_string(), name: &zenoh.node };
@@ -93,26 +94,4 @@ impl MessageSink for ZenohSink {
         // A session that was lost comes back by itself; until then nobody listens.
         let _ = one.publisher.put(message).attachment(attachment).wait();
     }
-}
-
-/// A peer that finds others by the router, not by multicast, as rmw_zenoh's nodes do.
-fn config(params: &ZenohParams) -> Result<zenoh::Config, RosError> {
-    let list = |addresses: &[String]| {
-        let quoted: Vec<String> = addresses.iter().map(|a| format!("{a:?}")).collect();
-        format!("[{}]", quoted.join(","))
-    };
-    let mut config = zenoh::Config::default();
-    for (key, value) in [
-        ("mode", "\"peer\"".to_owned()),
-        ("scouting/multicast/enabled", "false".to_owned()),
-        ("connect/endpoints", list(&params.connect)),
-        ("listen/endpoints", list(&params.listen)),
-    ] {
-        config.insert_json5(key, &value).map_err(fault)?;
-    }
-    Ok(config)
-}
-
-fn fault(error: zenoh::Error) -> RosError {
-    RosError::Zenoh { message: error.to_string() }
 }

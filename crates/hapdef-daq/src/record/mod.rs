@@ -22,7 +22,7 @@ mod writer;
 pub use export::{export_csv, export_json_lines};
 pub use file::{check_unclaimed, claim};
 pub use further::{MAX_MESSAGE_LEN, TopicDef, TopicWriter};
-pub use numbers::{NumbersRow, NumbersTopic, is_mcap};
+pub use numbers::{Arrived, Numbered, NumbersRow, NumbersTopic, TopicReader, is_mcap};
 pub use params::{RecordInfo, RecordParams, RecordStats};
 pub use player::{Player, PlayerControl};
 pub use recording::{Content, Record, Recording};

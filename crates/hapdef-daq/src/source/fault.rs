@@ -28,6 +28,46 @@ pub enum LinkFault {
     Io { name: String, message: String },
     #[error("{name}: ended")]
     Ended { name: String },
+    #[error(
+        "{name}: no router of zenoh at {address}; start it there (ros2 run rmw_zenoh_cpp rmw_zenohd), or name \
+         where it is: ros2:DOMAIN@HOST:PORT"
+    )]
+    NoRouter { name: String, address: String },
+    #[error(
+        "{name}: nobody publishes it; in ROS_DOMAIN_ID {domain_id} there is {found}: start its publisher, with \
+         RMW_IMPLEMENTATION=rmw_zenoh_cpp, or name another topic or domain"
+    )]
+    NoPublisher { name: String, domain_id: u32, found: String },
+}
+
+/// Why a topic's messages are no readings.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+#[allow(missing_docs, reason = "a variant's message is its documentation")]
+pub enum TopicFault {
+    #[error(
+        "topic {topic}: its messages are {found}, expected {expected}: publish the readings as \
+         std_msgs/Float64MultiArray, or record them (ros2 bag record -s mcap) and read that: replay:FILE"
+    )]
+    OtherType { topic: String, found: String, expected: String },
+    #[error("topic {topic}: {message}")]
+    NoNumbers { topic: String, message: String },
+    #[error(
+        "topic {topic}: a message has {found} numbers, expected {expected}, one for each gauge: name the topic \
+         of this limb's gauges, or the limb that has them"
+    )]
+    OtherChannels { topic: String, expected: usize, found: usize },
+    #[error("topic {topic}: a message was refused and counts as lost: {message}")]
+    Unlike { topic: String, message: String },
+    #[error(
+        "topic {topic}: it has several publishers, and what another one than the first sends is left out: stop \
+         all but one"
+    )]
+    Several { topic: String },
+    #[error(
+        "topic {topic}: it has a publisher, and no message came for {for_s} s: is its node running?"
+    )]
+    Silent { topic: String, for_s: u64 },
 }
 
 /// What became of a link.
@@ -64,6 +104,8 @@ pub enum LinkState {
         /// Integers that they have.
         found: usize,
     },
+    /// The messages of a topic of ROS 2 are no readings, or none come.
+    Topic(TopicFault),
     /// The device's clock is not believed: frames have the time of their arrival while it is not.
     Clock(ClockFault),
     /// A recording was played to its end, and parts of it could not be read.
@@ -99,6 +141,15 @@ impl LinkFault {
     }
 }
 
+impl TopicFault {
+    /// Whether no later message mends it.
+    #[must_use]
+    pub fn is_lasting(&self) -> bool {
+        use TopicFault as F;
+        matches!(self, F::OtherType { .. } | F::NoNumbers { .. } | F::OtherChannels { .. })
+    }
+}
+
 impl std::fmt::Display for LinkState {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -119,6 +170,7 @@ impl std::fmt::Display for LinkState {
                 "lines of {found} numbers come, {expected} are expected: connect the device of this \
                  limb, or set the number of channels"
             ),
+            Self::Topic(fault) => write!(f, "{fault}"),
             Self::Clock(fault) => write!(
                 f,
                 "the device's clock is not believed, {fault}: readings get the time of their arrival; \

@@ -4,6 +4,7 @@ mod fault;
 #[cfg(feature = "serial")]
 mod low_latency;
 mod memory;
+pub(crate) mod pace;
 #[cfg(feature = "serial")]
 mod ports;
 mod protocol;
@@ -20,7 +21,7 @@ mod watch;
 
 use std::time::Duration;
 
-pub use fault::{LinkFault, LinkState};
+pub use fault::{LinkFault, LinkState, TopicFault};
 pub use memory::{MemoryDevice, MemoryLink, memory_link};
 #[cfg(feature = "serial")]
 pub use ports::{PortInfo, permission_remedy, serial_ports};

@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 
-use super::{LinkState, Protocol, SourceStats};
-use crate::clock::{ClockFault, ClockMap};
+use super::pace::{ClockWords, Rate};
+use super::{Protocol, SourceStats};
+use crate::clock::ClockMap;
 use crate::csv_line::{CsvCounts, CsvDecoder};
 use crate::hdp1::{Data, Decoder, Event, FrameFlags, Hello, Rejected, SampleFormat};
 use crate::{Frame, Message};
-
-/// A clock that is still wrong is named again after so long, and one that jumps all the time as often.
-const CLOCK_PAUSE_NS: u64 = 10_000_000_000;
 
 pub(crate) struct Reader {
     decoding: Decoding,
@@ -29,12 +27,10 @@ struct State {
     n_good: u64,
     /// Whole packets that were refused since somebody asked, and the weightiest reason.
     refused: Option<(u64, Rejected)>,
-    /// What was said of the device's clock, and when.
-    clock: Option<(ClockFault, u64)>,
+    clock: ClockWords,
     /// Lines refused before the last frame.
     n_refused: u64,
-    /// Time and count of frames when the rate was last computed.
-    rate_since: Option<(u64, u64)>,
+    rate: Rate,
     stats: SourceStats,
 }
 
@@ -164,7 +160,7 @@ impl State {
         let before_ns = self.map.last_ns();
         let last_ns = self.map.map(last_us, now_ns);
         let fault = self.map.fault();
-        self.complain_of_clock(fault, now_ns, sink);
+        self.clock.complain(&self.map, now_ns, sink);
         for scan in 0..data.hello.n_scans {
             let at = usize::from(scan);
             let mut frame = Frame::new(data.header.seq, data.hello.format, data.bits(at));
@@ -180,25 +176,6 @@ impl State {
             }
             self.stats.n_frames += 1;
             sink(Message::Frame(frame));
-        }
-    }
-
-    fn complain_of_clock(
-        &mut self,
-        fault: Option<ClockFault>,
-        now_ns: u64,
-        sink: &mut dyn FnMut(Message),
-    ) {
-        let Some(fault) = fault.filter(|f| *f != ClockFault::Stuck || self.map.is_stuck()) else {
-            return;
-        };
-        let is_said = self.clock.is_some_and(|(before, at_ns)| {
-            let pause_ns = if before == fault { CLOCK_PAUSE_NS } else { CLOCK_PAUSE_NS / 10 };
-            now_ns.saturating_sub(at_ns) < pause_ns
-        });
-        if !is_said {
-            self.clock = Some((fault, now_ns));
-            sink(Message::Link(LinkState::Clock(fault)));
         }
     }
 
@@ -226,12 +203,8 @@ impl State {
     }
 
     fn count_rate(&mut self, now_ns: u64) {
-        let n = self.stats.n_frames;
-        let (since_ns, n_before) = *self.rate_since.get_or_insert((now_ns, n));
-        let passed_ns = now_ns.saturating_sub(since_ns);
-        if passed_ns >= 1_000_000_000 {
-            self.stats.rate_hz = (n - n_before) as f64 * 1e9 / passed_ns as f64;
-            self.rate_since = Some((now_ns, n));
+        if let Some(rate_hz) = self.rate.count(self.stats.n_frames, now_ns) {
+            self.stats.rate_hz = rate_hz;
         }
     }
 }

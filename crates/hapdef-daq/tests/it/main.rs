@@ -28,3 +28,4 @@ mod serial_pty;
 mod sources;
 mod support;
 mod tokio_ports;
+mod topic_reader;

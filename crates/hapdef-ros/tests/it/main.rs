@@ -13,3 +13,5 @@ mod recording;
 mod support;
 #[cfg(feature = "zenoh")]
 mod zenoh;
+#[cfg(feature = "zenoh")]
+mod zenoh_source;

@@ -9,29 +9,12 @@ use hapdef_ros::{
 };
 use zenoh::Wait;
 
+use support::zenoh_session::{free_address, session};
 use support::{Kept, say};
-
-/// A free port.
-fn free_port() -> u16 {
-    let listener = std::net::TcpListener::bind(("127.0.0.1", 0)).unwrap();
-    listener.local_addr().unwrap().port()
-}
-
-fn session(listen: &str) -> zenoh::Session {
-    let mut config = zenoh::Config::default();
-    for (key, value) in [
-        ("mode", "\"peer\"".to_owned()),
-        ("scouting/multicast/enabled", "false".to_owned()),
-        ("listen/endpoints", format!("[{listen:?}]")),
-    ] {
-        config.insert_json5(key, &value).unwrap();
-    }
-    zenoh::open(config).wait().unwrap()
-}
 
 #[test]
 fn messages_arrive_under_the_keys_of_rmw_zenoh() {
-    let address = format!("tcp/127.0.0.1:{}", free_port());
+    let address = free_address();
     let listener = session(&address);
     let name = dds_name("hapdef_msgs/Contacts");
     let hash = type_hash("hapdef_msgs/Contacts").unwrap();

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::find::Found;
 use super::{NumbersRow, NumbersTopic};
 use crate::hdp1::{Channel, Hello, MAX_CHANNELS, SampleFormat};
 use crate::source::{LinkFault, LinkState};
@@ -33,9 +34,7 @@ impl NumbersTopic {
     /// # Errors
     /// [`DaqError::NoNumbers`] for more than 64; as [`Self::next_row`] of the first two hundred.
     pub fn messages(mut self) -> Result<impl Iterator<Item = Message> + Send, DaqError> {
-        let n = self.n_values();
-        if n > MAX_CHANNELS {
-            let message = format!("{n} numbers a message: a device has at most {MAX_CHANNELS}");
+        if let Err(message) = check_n(self.n_values()) {
             return Err(DaqError::NoNumbers { path: self.path, topic: self.topic, message });
         }
         let mut ahead = Vec::with_capacity(N_FOR_RATE);
@@ -58,22 +57,41 @@ impl NumbersTopic {
         let step_ns = steps.get(steps.len() / 2);
         let rate_mhz =
             step_ns.map_or(0, |step| u32::try_from(1_000_000_000_000 / step).unwrap_or(0));
-        let plain = Hello::plain(self.n_values(), SampleFormat::F32, 0);
-        let named = |names: &[String]| {
-            names.iter().map(|name| Channel::quarter_bridge(name, 1.0)).collect()
-        };
-        let channels = self.names().map_or(plain.channels.clone(), named);
-        let mut hello = Hello { uid: TOPIC_UID, rate_mhz, channels, ..plain };
-        hello.seal();
-        hello
+        hello(self.first.as_ref(), rate_mhz)
+    }
+}
+
+/// What the device would say of itself that sends such numbers: quarter bridges, µε. The rate is 0 where it is
+/// not known.
+pub(super) fn hello(first: Option<&Found>, rate_mhz: u32) -> Hello {
+    let plain = Hello::plain(first.map_or(0, |first| first.values.len()), SampleFormat::F32, 0);
+    let named =
+        |names: &Vec<String>| names.iter().map(|name| Channel::quarter_bridge(name, 1.0)).collect();
+    let names = first.and_then(|first| first.names.as_ref());
+    let channels = names.map_or(plain.channels.clone(), named);
+    let mut hello = Hello { uid: TOPIC_UID, rate_mhz, channels, ..plain };
+    hello.seal();
+    hello
+}
+
+/// The frame of a message's numbers, without its times.
+pub(super) fn frame(seq: u32, values: &[f64]) -> Frame {
+    let bits = values.iter().map(|value| (*value as f32).to_bits().cast_signed());
+    Frame::new(seq, SampleFormat::F32, bits)
+}
+
+/// Numbers that are more than a device has channels.
+pub(super) fn check_n(n: usize) -> Result<(), String> {
+    match n {
+        0..=MAX_CHANNELS => Ok(()),
+        _ => Err(format!("{n} numbers a message: a device has at most {MAX_CHANNELS}")),
     }
 }
 
 impl Messages {
     fn frame(&mut self, row: &NumbersRow) -> Frame {
-        let bits = row.values.iter().map(|value| (*value as f32).to_bits().cast_signed());
         // Numbers of packets begin anew after 2³² of them.
-        let mut frame = Frame::new((row.number - 1) as u32, SampleFormat::F32, bits);
+        let mut frame = frame((row.number - 1) as u32, &row.values);
         self.last_ns = self.last_ns.max(row.log_time_ns.saturating_sub(self.first_ns));
         (frame.t_host_ns, frame.t_device_us) = (self.last_ns, self.last_ns / 1000);
         frame

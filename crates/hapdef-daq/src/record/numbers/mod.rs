@@ -4,6 +4,7 @@ mod cdr;
 mod file;
 mod find;
 mod frames;
+mod live;
 mod part;
 
 use std::collections::btree_map::Entry;
@@ -19,6 +20,7 @@ use super::scan::{CHANNEL, MESSAGE, MESSAGE_FIELDS_LEN, SCHEMA, channel_and_time
 use crate::DaqError;
 
 pub use self::file::is_mcap;
+pub use self::live::{Arrived, Numbered, TopicReader};
 
 /// The numbers of a topic, message by message.
 ///

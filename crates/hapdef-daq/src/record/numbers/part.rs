@@ -31,6 +31,14 @@ impl Part {
         fields.iter().map(|(name, part)| (name.as_str(), part))
     }
 
+    /// The time in a header of ROS, ns since 1970 UTC; none without a header, or where it was left at 0.
+    pub(super) fn stamp_ns(&self) -> Option<u64> {
+        let stamp = self.field("header")?.field("stamp")?;
+        let whole = |name| Some(stamp.field(name)?.number()? as u64);
+        let ns = whole("sec")?.saturating_mul(1_000_000_000).saturating_add(whole("nanosec")?);
+        (ns > 0).then_some(ns)
+    }
+
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),

@@ -3,6 +3,8 @@
 #![allow(dead_code, reason = "each test uses its part")]
 
 pub mod read_back;
+#[cfg(feature = "zenoh")]
+pub mod zenoh_session;
 
 use std::path::Path;
 use std::sync::{Arc, Mutex};
