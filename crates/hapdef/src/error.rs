@@ -13,6 +13,7 @@ use hapdef_rig::RigError;
 use hapdef_sim::SimError;
 
 use crate::scoring::ScoringError;
+use crate::source_args::SourceArgError;
 
 /// What is wrong with a scene file.
 #[derive(Debug, thiserror::Error)]
@@ -46,6 +47,11 @@ pub enum HapdefError {
     Data(#[from] DataError),
     #[error(transparent)]
     Daq(#[from] DaqError),
+    #[error(transparent)]
+    Source(#[from] SourceArgError),
+    #[cfg(feature = "zenoh")]
+    #[error(transparent)]
+    Ros(#[from] hapdef_ros::RosError),
     #[error(transparent)]
     Net(#[from] NetsError),
     #[error(transparent)]

@@ -20,7 +20,7 @@ const MAX_CHANNELS: usize = hapdef_daq::hdp1::MAX_CHANNELS;
 
 /// What `--source` can be; the value is for `--help`.
 pub const SOURCE_FORMS: &str = "serial:DEV[@BAUD], tcp:HOST:PORT, replay:FILE[@SPEED|@max], \
-                                csv:DEV[@CHANNELS]";
+                                csv:DEV[@CHANNELS], ros2:DOMAIN[@HOST:PORT] with --topic";
 
 /// Where readings come from, as the command line says it.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +54,15 @@ pub enum SourceArg {
         /// Integers in a line, where they are named.
         n_channels: Option<usize>,
     },
+    /// `ros2:DOMAIN[@HOST:PORT]`: the numbers of a topic of ROS 2 by rmw_zenoh, µε.
+    Ros2 {
+        /// ROS_DOMAIN_ID.
+        domain_id: u32,
+        /// Host and port of the router, localhost:7447 where none is named.
+        router: Option<String>,
+        /// The topic whose numbers are the readings.
+        topic: Option<String>,
+    },
 }
 
 /// A `--source` that can't be understood.
@@ -64,30 +73,44 @@ pub enum SourceArgError {
     Form { found: String },
     #[error("{found:?}: expected {expected}")]
     Number { found: String, expected: &'static str },
-    #[error("{found}: a topic is read of a recording alone: replay:FILE")]
+    #[error("{found}: a topic is read of a file, replay:FILE, or of ROS 2, ros2:DOMAIN, alone")]
     Topic { found: String },
+    #[error("{found}: expected the topic of the gauges' readings: --topic /strain")]
+    NoTopic { found: String },
+    #[error(
+        "{found}: this build has no zenoh, by which ROS 2 is read; build with --features zenoh (cargo install \
+         --path crates/hapdef-cli --features zenoh)"
+    )]
+    NoZenoh { found: String },
 }
 
 impl SourceArg {
     /// The source. Ports and connections are opened when it is first polled, and again whenever
-    /// they went away; only a recording is opened here. Lines have 10 integers where none are named.
+    /// they went away; only a recording is opened here, and a session of ROS 2. Lines have 10 integers where
+    /// none are named.
     ///
     /// # Errors
-    /// A recording that can't be opened, or a file that is none.
+    /// A recording that can't be opened, or a file that is none, or has no such topic; ROS 2 without a topic, or
+    /// in a build without zenoh.
     pub fn open(&self) -> Result<Box<dyn FrameSource>, HapdefError> {
-        self.open_for(N_SKETCH_CHANNELS)
+        self.open_with(None)
     }
 
-    /// The source, with one integer a line for each of `n_gauges` where no number is named.
+    /// The source, with one integer a line for each of `n_gauges` where no number is named, and as many numbers in
+    /// a message of ROS 2.
     ///
     /// # Errors
-    /// A recording that can't be opened, or a file that is none, or has no such topic.
+    /// As [`Self::open`].
     pub fn open_for(&self, n_gauges: usize) -> Result<Box<dyn FrameSource>, HapdefError> {
+        self.open_with(Some(n_gauges))
+    }
+
+    fn open_with(&self, n_gauges: Option<usize>) -> Result<Box<dyn FrameSource>, HapdefError> {
         Ok(match self {
             Self::Serial { device, baud } => stream(serial(device, *baud), Protocol::Hdp1),
             Self::Tcp { address } => stream(TcpLink::new(address), Protocol::Hdp1),
             Self::Csv { device, n_channels } => {
-                let n_channels = n_channels.unwrap_or(n_gauges);
+                let n_channels = n_channels.or(n_gauges).unwrap_or(N_SKETCH_CHANNELS);
                 stream(serial(device, BAUD), Protocol::Csv { n_channels })
             }
             Self::Replay { file, speed, topic: None } => {
@@ -98,17 +121,52 @@ impl SourceArg {
                 let messages = NumbersTopic::open(file, topic)?.messages()?;
                 Box::new(ReplaySource::new(&self.to_string(), messages, *speed))
             }
+            Self::Ros2 { topic: None, .. } => {
+                return Err(SourceArgError::NoTopic { found: self.to_string() }.into());
+            }
+            Self::Ros2 { domain_id, router, topic: Some(topic) } => {
+                self.ros2(*domain_id, router.as_deref(), topic, n_gauges)?
+            }
         })
     }
 
-    /// The same, but the numbers of a topic of the recording.
+    #[cfg(feature = "zenoh")]
+    fn ros2(
+        &self,
+        domain_id: u32,
+        router: Option<&str>,
+        topic: &str,
+        n_gauges: Option<usize>,
+    ) -> Result<Box<dyn FrameSource>, HapdefError> {
+        let mut params = hapdef_ros::ZenohSourceParams::new(domain_id, topic);
+        params.n_gauges = n_gauges;
+        if let Some(router) = router {
+            params.connect = vec![format!("tcp/{router}")];
+        }
+        Ok(Box::new(hapdef_ros::ZenohSource::open(&params)?))
+    }
+
+    #[cfg(not(feature = "zenoh"))]
+    fn ros2(
+        &self,
+        _: u32,
+        _: Option<&str>,
+        _: &str,
+        _: Option<usize>,
+    ) -> Result<Box<dyn FrameSource>, HapdefError> {
+        Err(SourceArgError::NoZenoh { found: self.to_string() }.into())
+    }
+
+    /// The same, but the numbers of a topic of the recording, or of ROS 2.
     ///
     /// # Errors
-    /// [`SourceArgError::Topic`] where it is no recording.
+    /// [`SourceArgError::Topic`] where it is neither.
     pub fn of_topic(&self, named: &str) -> Result<Self, SourceArgError> {
         let mut of_topic = self.clone();
         match &mut of_topic {
-            Self::Replay { topic, .. } => *topic = Some(named.to_owned()),
+            Self::Replay { topic, .. } | Self::Ros2 { topic, .. } => {
+                *topic = Some(named.to_owned())
+            }
             other => return Err(SourceArgError::Topic { found: other.to_string() }),
         }
         Ok(of_topic)
@@ -151,6 +209,7 @@ impl FromStr for SourceArg {
             }
             "tcp" => tcp(text, rest),
             "replay" => replay(text, rest),
+            "ros2" => ros2(text, rest),
             _ => Err(form()),
         }
     }
@@ -167,12 +226,21 @@ impl std::fmt::Display for SourceArg {
                     true => write!(f, "{speed}")?,
                     false => f.write_str("max")?,
                 }
-                topic.as_ref().map_or(Ok(()), |topic| write!(f, ", topic {topic}"))
+                write_topic(f, topic.as_deref())
+            }
+            Self::Ros2 { domain_id, router, topic } => {
+                write!(f, "ros2:{domain_id}")?;
+                router.as_ref().map_or(Ok(()), |router| write!(f, "@{router}"))?;
+                write_topic(f, topic.as_deref())
             }
             Self::Csv { device, n_channels: Some(n) } => write!(f, "csv:{device}@{n}"),
             Self::Csv { device, .. } => write!(f, "csv:{device}"),
         }
     }
+}
+
+fn write_topic(f: &mut std::fmt::Formatter<'_>, topic: Option<&str>) -> std::fmt::Result {
+    topic.map_or(Ok(()), |topic| write!(f, ", topic {topic}"))
 }
 
 fn serial(device: &str, baud: u32) -> SerialLink {
@@ -206,15 +274,34 @@ fn with_number<N: FromStr + PartialOrd>(
 }
 
 fn tcp(text: &str, rest: &str) -> Result<SourceArg, SourceArgError> {
-    let port = rest.rsplit_once(':').filter(|(host, _)| !host.is_empty());
-    let port = port.and_then(|(_, port)| port.parse::<u16>().ok());
-    match port {
-        Some(1..) => Ok(SourceArg::Tcp { address: rest.to_owned() }),
-        _ => Err(SourceArgError::Number {
+    match has_port(rest) {
+        true => Ok(SourceArg::Tcp { address: rest.to_owned() }),
+        false => Err(SourceArgError::Number {
             found: text.to_owned(),
             expected: "tcp:HOST:PORT with a port from 1 to 65535",
         }),
     }
+}
+
+fn ros2(text: &str, rest: &str) -> Result<SourceArg, SourceArgError> {
+    let (domain, router) =
+        rest.split_once('@').map_or((rest, None), |(domain, router)| (domain, Some(router)));
+    match domain.parse() {
+        Ok(domain_id) if router.is_none_or(has_port) => {
+            Ok(SourceArg::Ros2 { domain_id, router: router.map(str::to_owned), topic: None })
+        }
+        _ => Err(SourceArgError::Number {
+            found: text.to_owned(),
+            expected: "ros2:DOMAIN, the number that is ROS_DOMAIN_ID or else 0, or \
+                       ros2:DOMAIN@HOST:PORT with the router's port from 1 to 65535",
+        }),
+    }
+}
+
+/// Whether it is `HOST:PORT`.
+fn has_port(address: &str) -> bool {
+    let port = address.rsplit_once(':').filter(|(host, _)| !host.is_empty());
+    port.and_then(|(_, port)| port.parse::<u16>().ok()).is_some_and(|port| port > 0)
 }
 
 /// A file's name may have an @ in it: only a number, or `max`, behind the last one is a speed.
@@ -268,6 +355,8 @@ mod tests {
         check("replay:a@home/b.mcap", "replay:a@home/b.mcap@1");
         check("replay:a.mcap@2.5", "replay:a.mcap@2.5");
         check("replay:a.mcap@max", "replay:a.mcap@max");
+        check("ros2:0", "ros2:0");
+        check("ros2:42@robot.local:7447", "ros2:42@robot.local:7447");
     }
 
     #[test]
@@ -289,6 +378,10 @@ mod tests {
             "replay:a.mcap@0",
             "replay:a.mcap@-1",
             "replay:a.mcap@NaN",
+            "ros2:zero",
+            "ros2:-1",
+            "ros2:0@robot",
+            "ros2:0@robot:0",
         ] {
             let error = text.parse::<SourceArg>().unwrap_err();
             assert!(matches!(error, SourceArgError::Number { .. }), "{text}");
@@ -296,11 +389,26 @@ mod tests {
     }
 
     #[test]
-    fn a_topic_is_one_of_a_recording() {
+    fn a_topic_is_one_of_a_recording_or_of_ros_2() {
         let of = |source: &str| source.parse::<SourceArg>().unwrap().of_topic("/strain");
         assert_eq!(of("replay:a.mcap@2").unwrap().to_string(), "replay:a.mcap@2, topic /strain");
+        assert_eq!(of("ros2:3").unwrap().to_string(), "ros2:3, topic /strain");
+        let error = "ros2:3".parse::<SourceArg>().unwrap().open().err().unwrap();
+        assert_eq!(
+            error.to_string(),
+            "ros2:3: expected the topic of the gauges' readings: --topic /strain"
+        );
         let error = of("tcp:robot:7000").unwrap_err();
         assert!(error.to_string().starts_with("tcp:robot:7000: a topic is read of"), "{error}");
+    }
+
+    #[cfg(not(feature = "zenoh"))]
+    #[test]
+    fn a_build_without_zenoh_says_how_to_have_it() {
+        let source = "ros2:3".parse::<SourceArg>().unwrap().of_topic("/strain").unwrap();
+        let error = source.open().err().unwrap().to_string();
+        assert!(error.contains("ros2:3, topic /strain: this build has no zenoh"), "{error}");
+        assert!(error.contains("--features zenoh"), "{error}");
     }
 
     #[test]

@@ -17,13 +17,14 @@ use super::table::{Row, read_table};
 
 /// Corrects the response by a table of presses and writes the result.
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
+    let source = args.press_source()?;
     ensure!(
-        args.live.source().is_none() || !hapdef_cli::is_quiet(),
+        source.is_none() || !hapdef_cli::is_quiet(),
         "--quiet: with --live it says where to press: leave out one of them"
     );
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    let (calibration, info) = match args.live.source() {
+    let (calibration, info) = match &source {
         Some(source) => calibrate_live(args, source, &run, &limb)?,
         None => from_table(args, &run, &limb)?,
     };

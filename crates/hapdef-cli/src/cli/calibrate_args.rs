@@ -18,7 +18,8 @@ use super::topic::TopicArgs;
 pub(crate) struct CalibrateArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
-    /// The table of presses; or an MCAP file, with --topic.
+    /// The table of presses; or an MCAP file, with --topic. With --live the table is written, and --topic is one
+    /// of the source.
     pub(super) table: PathBuf,
     #[command(flatten)]
     pub(super) topic: TopicArgs,
@@ -67,10 +68,16 @@ pub(crate) enum PressSource {
     Device(SourceArg),
 }
 
-impl LiveArgs {
-    /// Where live presses come from; `None` for a table.
-    pub(super) fn source(&self) -> Option<&PressSource> {
-        self.live.as_ref()
+impl CalibrateArgs {
+    /// Where live presses come from, of the topic that is named; `None` for a table.
+    pub(super) fn press_source(&self) -> Result<Option<PressSource>, SourceArgError> {
+        Ok(match &self.live.live {
+            Some(PressSource::Device(source)) => Some(PressSource::Device(self.topic.of(source)?)),
+            Some(PressSource::Virtual) if self.topic.topic.is_some() => {
+                return Err(SourceArgError::Topic { found: "virtual".to_owned() });
+            }
+            other => other.clone(),
+        })
     }
 }
 

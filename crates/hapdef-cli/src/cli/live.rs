@@ -42,6 +42,7 @@ use super::view::{FirstPaint, FirstPaintParams, Origin, Reach, Sim, View, ViewAr
     hapdef live shin.hapdef --source serial:/dev/serial/by-id/usb-Arduino_Due\n  \
     hapdef live shin.hapdef --source replay:press.mcap@max --json | jq .contacts\n  \
     hapdef live shin.hapdef --source replay:bag.mcap --topic /strain\n  \
+    hapdef live shin.hapdef --source ros2:0 --topic /strain\n  \
     hapdef live shin.hapdef --source tcp:10.0.0.7:7320 --alert udp:127.0.0.1:7400 --stop-n 5\n  \
     hapdef live fixtures/shin/placed.json --sim --seconds 10 --record press.mcap\n  \
     hapdef live fixtures/shin/placed.json --sim --view\n\n\

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hapdef::touch::LearnedLoads;
-use hapdef::{Limb, RawFrame, Run, Source, SourceArg};
+use hapdef::{Limb, RawFrame, Run, SOURCE_FORMS, Source, SourceArg};
 use hapdef_cli::{SceneArgs, print_json, shown};
 
 use super::table::{Row, read_table};
@@ -30,9 +30,11 @@ pub(crate) struct LoadsArgs {
     /// A table of readings in µε, a column for each gauge.
     #[arg(required_unless_present_any = ["source", "sim"])]
     table: Option<PathBuf>,
-    /// A device or a recording in place of a table: serial:DEV[@BAUD], tcp:HOST:PORT,
-    /// replay:FILE[@SPEED|@max].
-    #[arg(long, conflicts_with = "table")]
+    #[arg(
+        long,
+        conflicts_with = "table",
+        help = format!("A device or a recording in place of a table: {SOURCE_FORMS}")
+    )]
     source: Option<SourceArg>,
     /// The scene's simulated rig, moved by the scene's loads and touched by nothing.
     #[arg(long, conflicts_with_all = ["table", "source"])]

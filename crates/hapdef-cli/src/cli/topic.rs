@@ -1,13 +1,14 @@
-//! `--topic`: readings that another program wrote to an MCAP file.
+//! `--topic`: readings that another program wrote to an MCAP file, or publishes.
 
 use clap::Args;
 use hapdef::{SourceArg, SourceArgError};
 
-/// Which numbers of an MCAP file are the readings.
+/// Which numbers of an MCAP file, or of ROS 2, are the readings.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct TopicArgs {
-    /// Read the numbers of this topic of an MCAP file, such as a bag of ROS 2: µε, JSON or messages with a
-    /// list of numbers; of several lists name one behind the topic: /joint_states.effort.
+    /// Read the numbers of this topic of an MCAP file, such as a bag of ROS 2, or of ROS 2 itself (ros2:DOMAIN):
+    /// µε, JSON or messages with a list of numbers; of several lists name one behind the topic:
+    /// /joint_states.effort.
     #[arg(long, value_name = "TOPIC")]
     pub(super) topic: Option<String>,
 }

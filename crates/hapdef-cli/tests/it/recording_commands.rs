@@ -375,5 +375,11 @@ fn a_topic_is_recorded_as_a_device() {
         refused(&["record", "--source", source, "--topic", topic, "-o", text(&new)], expected);
     };
     record(&source, "/strain", "no topic /strain; it has /gauges (hapdef.Gauges, json)");
-    record("tcp:127.0.0.1:7000", "/strain", "a topic is read of a recording alone");
+    record("tcp:127.0.0.1:7000", "/strain", "a topic is read of a file, replay:FILE, or of ROS 2");
+    if cfg!(not(feature = "zenoh")) {
+        record("ros2:0", "/strain", "ros2:0, topic /strain: this build has no zenoh");
+        record("ros2:0", "/strain", "build with --features zenoh");
+    }
+    let out = text(&new);
+    refused(&["record", "--source", "ros2:0", "-o", out], "ros2:0: expected the topic of the");
 }

@@ -197,7 +197,8 @@ class Scene:
         seconds: length of the simulated play, endless if None; a source ends by itself or `close`.
         tare_s: time whose mean is the tare; touch nothing.
         seed: of the simulated presses.
-        topic: read the numbers of this topic, µε, of a ``replay:`` of an MCAP file of another program.
+        topic: read the numbers of this topic, µε, of a ``replay:`` of an MCAP file of another program, or of
+            ``ros2:0``, a topic of ROS 2 (a module built with zenoh).
         """
 
 @final

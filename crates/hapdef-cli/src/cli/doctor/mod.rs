@@ -25,6 +25,7 @@ use self::press::Known;
 use super::live::is_bundle;
 use super::record::seconds;
 use super::signals::stop_flag;
+use super::topic::TopicArgs;
 
 /// Exit code when something has to be mended.
 const BAD: i32 = 1;
@@ -40,6 +41,8 @@ const BAD: i32 = 1;
 pub(crate) struct DoctorArgs {
     #[arg(long, help = format!("Where readings come from: {SOURCE_FORMS}"))]
     source: Option<SourceArg>,
+    #[command(flatten)]
+    topic: TopicArgs,
     /// Scene or bundle whose gauges the channels should be; a bundle is looked at, too.
     #[arg(value_parser = scene_path())]
     scene: Option<PathBuf>,
@@ -63,10 +66,11 @@ pub(crate) struct DoctorArgs {
 pub(crate) fn run(args: &DoctorArgs) -> Result<()> {
     let stop = stop_flag()?;
     let (of_scene, gauges) = scene(args)?;
-    let mut checks = ports::checks(args.source.as_ref());
+    let source = args.source.as_ref().map(|source| args.topic.of(source)).transpose()?;
+    let mut checks = ports::checks(source.as_ref());
     checks.extend(of_scene);
     checks.extend(machine::checks(&args.folder));
-    if let Some(source) = &args.source {
+    if let Some(source) = &source {
         let names = gauges.as_deref();
         checks.extend(channels::checks(source, args.seconds, names, &stop)?);
         if let SourceArg::Serial { device, .. } | SourceArg::Csv { device, .. } = source {
