@@ -165,7 +165,7 @@ impl SourceArg {
         let mut of_topic = self.clone();
         match &mut of_topic {
             Self::Replay { topic, .. } | Self::Ros2 { topic, .. } => {
-                *topic = Some(named.to_owned())
+                *topic = Some(named.to_owned());
             }
             other => return Err(SourceArgError::Topic { found: other.to_string() }),
         }

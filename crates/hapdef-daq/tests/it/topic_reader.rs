@@ -57,19 +57,23 @@ fn read(
 }
 
 fn frames(said: &[Message]) -> Vec<&Frame> {
-    let frame = |message| match message {
-        &Message::Frame(ref frame) => Some(frame),
-        _ => None,
-    };
-    said.iter().filter_map(frame).collect()
+    let mut frames = Vec::new();
+    for message in said {
+        if let Message::Frame(frame) = message {
+            frames.push(frame);
+        }
+    }
+    frames
 }
 
 fn faults(said: &[Message]) -> Vec<&TopicFault> {
-    let fault = |message| match message {
-        &Message::Link(LinkState::Topic(ref fault)) => Some(fault),
-        _ => None,
-    };
-    said.iter().filter_map(fault).collect()
+    let mut faults = Vec::new();
+    for message in said {
+        if let Message::Link(LinkState::Topic(fault)) = message {
+            faults.push(fault);
+        }
+    }
+    faults
 }
 
 #[test]

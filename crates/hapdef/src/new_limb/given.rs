@@ -8,6 +8,7 @@ use hapdef_mesh::{
 };
 use nalgebra::{Point3, Vector3};
 
+use super::collada::Asset;
 use super::urdf::{self, Joints};
 use super::{Guess, NewLimbParams};
 use crate::error::HapdefError;
@@ -61,8 +62,11 @@ pub(super) fn read(
     let (shape, joints) = match ending(path).as_str() {
         "urdf" => {
             let link = urdf::read(path, params.link.as_deref())?;
-            let why = format!("a URDF's lengths; {}", link.said);
+            let asset = link.asset.as_ref();
+            let of_mesh = asset.map(|asset| format!("; of its mesh {}", asset.unit_in_words()));
+            let why = format!("a URDF's lengths; {}{}", link.said, of_mesh.unwrap_or_default());
             guesses.push(Guess { what: "unit", value: "m".into(), why });
+            guesses.extend(asset.and_then(Asset::up_axis));
             (GivenShape::Surface(link.mesh), Some(link.joints))
         }
         "inp" | "dat" | "cdb" | "msh" => (deck(path, params, guesses)?, None),
@@ -84,12 +88,17 @@ fn surface(
 ) -> Result<GivenShape, HapdefError> {
     let mesh = read_surface(path, &GltfParams::default())?.mesh;
     let longest = mesh.bounding_box().longest_m();
-    let (unit, why) = match params.unit {
-        Some(unit) => (unit, "as stated".into()),
-        None if ending(path) == "dae" => (LengthUnit::Metre, "the file states its unit".into()),
-        None => likely_unit(longest, &LengthUnit::ALL, params)?,
+    let asset = (ending(path) == "dae").then(|| Asset::read(path)).transpose()?;
+    let (unit, why) = match (params.unit, &asset) {
+        (Some(unit), None) => (unit, "as stated".into()),
+        (Some(unit), Some(asset)) => {
+            (unit, format!("as stated, on top of its own: {}", asset.unit_in_words()))
+        }
+        (None, Some(asset)) => (LengthUnit::Metre, asset.unit_in_words()),
+        (None, None) => likely_unit(longest, &LengthUnit::ALL, params)?,
     };
     guesses.push(Guess { what: "unit", value: unit.to_string(), why });
+    guesses.extend(asset.and_then(|asset| asset.up_axis()));
     Ok(GivenShape::Surface(mesh.scaled(unit.metres())?))
 }
 

@@ -1,6 +1,7 @@
 //! A limb from whatever file there is of it: what is not stated is guessed, each guess with its reason,
 //! and a folder with skin and scene is written.
 
+mod collada;
 mod gauges;
 mod given;
 mod guess;

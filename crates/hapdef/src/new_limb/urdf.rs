@@ -7,6 +7,7 @@ use hapdef_mesh::{GltfParams, SurfaceMesh, read_surface};
 use nalgebra::{Isometry3, Matrix4, Point3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node};
 
+use super::collada::Asset;
 use crate::error::HapdefError;
 
 /// Joints of a link.
@@ -49,6 +50,8 @@ pub(super) struct Link {
     pub(super) joints: Joints,
     /// What was read, in words.
     pub(super) said: String,
+    /// What a mesh in COLLADA says of itself.
+    pub(super) asset: Option<Asset>,
 }
 
 /// Reads a link by its name; that may be left out where only one has a mesh.
@@ -81,6 +84,8 @@ pub(super) fn read(path: &Path, name: Option<&str>) -> Result<Link, HapdefError>
     let link_from_mesh = origin(holder).map_err(refused)?.to_homogeneous()
         * Matrix4::new_nonuniform_scaling(&scale.into());
     let surface = read_surface(&file, &GltfParams::default())?.mesh;
+    let is_collada = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("dae"));
+    let asset = is_collada.then(|| Asset::read(&file)).transpose()?;
     let mass = children(link, "inertial").flat_map(|i| children(i, "mass")).next();
     let mass = mass.and_then(|mass| mass.attribute("value"));
     let said = format!(
@@ -88,7 +93,7 @@ pub(super) fn read(path: &Path, name: Option<&str>) -> Result<Link, HapdefError>
         mass.map_or(String::new(), |kg| format!(", {kg} kg with all that is in it"))
     );
     let joints = joints(robot, name).map_err(refused)?;
-    Ok(Link { mesh: surface.transformed(&link_from_mesh)?, joints, said })
+    Ok(Link { mesh: surface.transformed(&link_from_mesh)?, joints, said, asset })
 }
 
 /// The first mesh that a link is drawn with, or else collides with.
