@@ -64,3 +64,51 @@ fn limit_slope(skin: &SurfaceMesh, thickness_m: &mut [f64]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point3;
+
+    use super::*;
+    use crate::surface::triangles::tests::sphere;
+
+    const WALL_M: f64 = 0.002;
+    const RADIUS_M: f64 = 0.02;
+
+    /// A ball with a bump where x is largest; the radius of its tip is the width's square over the height.
+    fn with_bump(height_m: f64, width_m: f64) -> SurfaceMesh {
+        let ball = sphere(5);
+        let raised = ball.vertices().iter().map(|point| {
+            let far_m = RADIUS_M * (point - Point3::from([1.0, 0.0, 0.0])).norm();
+            point * (RADIUS_M + height_m * (-0.5 * (far_m / width_m).powi(2)).exp())
+        });
+        SurfaceMesh::new(raised.collect(), ball.triangles().to_vec()).unwrap()
+    }
+
+    /// A tip of 0.8 mm radius under a wall of 2 mm.
+    #[test]
+    fn a_wall_that_would_fold_is_thinned_there_alone() {
+        let skin = with_bump(0.005, 0.002);
+        let params = ExtrudeParams { side: SkinSide::Outer, n_layers: 1, curve: FaceCurve::Flat };
+        let unfit = |wall_m: &[f64]| unfit_triangles(&skin, wall_m, &params).unwrap().len();
+        assert!(unfit(&vec![WALL_M; skin.vertices().len()]) > 0);
+
+        let wall_m = fitting_wall(&skin, WALL_M).unwrap();
+        assert_eq!(unfit(&wall_m), 0);
+        let thinned = skin.vertices().iter().zip(&wall_m).filter(|(_, wall)| **wall < WALL_M);
+        let places: Vec<&Point3<f64>> = thinned.map(|(place, _)| place).collect();
+        assert!((1..=20).contains(&places.len()), "{places:?}");
+        let is_at_tip = |place: &&Point3<f64>| place.y.hypot(place.z) < 0.003 && place.x > 0.0;
+        assert!(places.iter().all(is_at_tip), "{places:?}");
+    }
+
+    /// A tip of 0.6 mm radius: more than a 200th of the vertices would have to have a thinner wall.
+    #[test]
+    fn a_wall_that_folds_beyond_that_is_refused_with_numbers() {
+        let found = fitting_wall(&with_bump(0.004, 0.0015), WALL_M);
+        let Err(MeshError::Wrap(WrapFault::Thinned { n_thinned, max_thinned, .. })) = found else {
+            panic!("not refused")
+        };
+        assert!(n_thinned > max_thinned && max_thinned == 20, "{n_thinned} {max_thinned}");
+    }
+}
