@@ -87,6 +87,7 @@ mod skin_wall;
 mod solid;
 mod source;
 mod source_args;
+mod source_open;
 pub mod stages;
 mod stats;
 pub mod touch;

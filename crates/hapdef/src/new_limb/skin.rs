@@ -268,3 +268,42 @@ pub(crate) fn is_fold(error: &MeshError) -> bool {
     use SurfaceFault::{ExtrusionFolds, OffsetFolds};
     matches!(error, MeshError::Surface(OffsetFolds { .. } | ExtrusionFolds { .. }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box of 40 x 30 x 50 mm.
+    fn block() -> SurfaceMesh {
+        let corner = |i: u32| {
+            let [x, y, z] = [i & 1, i >> 1 & 1, i >> 2].map(f64::from);
+            Point3::new(0.04 * x, 0.03 * y, 0.05 * z)
+        };
+        let faces = vec![
+            [0, 2, 1],
+            [1, 2, 3],
+            [4, 5, 6],
+            [5, 7, 6],
+            [0, 1, 4],
+            [1, 5, 4],
+            [2, 6, 3],
+            [3, 6, 7],
+            [0, 4, 2],
+            [2, 4, 6],
+            [1, 3, 5],
+            [3, 7, 5],
+        ];
+        SurfaceMesh::new((0..8).map(corner).collect(), faces).unwrap()
+    }
+
+    #[test]
+    fn a_wall_that_was_thinned_is_said() {
+        let params = WrapParams { edge_m: Some(0.004), ..WrapParams::new(0.002) };
+        let mut wrapped = wrap(&block(), &params).unwrap();
+        wrapped.info.n_thinned = 3;
+        let said = Skin::wrapped(wrapped.clone()).said.join("; ");
+        assert!(said.contains("the wall is thinner at 3 vertices, where it would fold"), "{said}");
+        wrapped.info.n_thinned = 0;
+        assert!(!Skin::wrapped(wrapped).said.join("; ").contains("would fold"));
+    }
+}
