@@ -8,6 +8,9 @@ use crate::schema::definition;
 /// Contacts that can have a wrench and a frame of their own at most.
 const MAX_SLOTS: usize = 16;
 
+/// What [`is_topic_name`] takes.
+pub(crate) const TOPIC_NAME: &str = "a topic's name like /left_arm/shin: parts of letters, digits and _, none that begins with a digit or has two _ in a row";
+
 /// How messages are named and drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RosParams {
@@ -72,11 +75,8 @@ impl RosParams {
             Err(RosError::Parameter { name, expected, found: found.to_string() })
         };
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '/';
-        if !self.prefix.starts_with('/') || self.prefix.ends_with('/') {
-            return wrong("prefix", "a name like /hapdef", &self.prefix);
-        }
-        if !self.prefix.chars().all(is_word) {
-            return wrong("prefix", "letters, digits, _ and /", &self.prefix);
+        if !is_topic_name(&self.prefix) {
+            return wrong("prefix", TOPIC_NAME, &self.prefix);
         }
         if self.frame_id.is_empty() || !self.frame_id.chars().all(is_word) {
             return wrong("frame_id", "letters, digits, _ and /", &self.frame_id);
@@ -201,6 +201,16 @@ pub fn topics(params: &RosParams) -> Result<Vec<TopicDef>, RosError> {
     Ok(TopicKind::all(params).map(topic).collect())
 }
 
+/// Whether ROS 2 takes this for the full name of a topic (design.ros2.org, Topic and Service name mapping to DDS).
+pub(crate) fn is_topic_name(name: &str) -> bool {
+    let is_part = |part: &str| {
+        part.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+            && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+            && !part.contains("__")
+    };
+    name.strip_prefix('/').is_some_and(|parts| parts.split('/').all(is_part))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -230,5 +240,19 @@ mod tests {
         assert!(with(&|p| p.n_slots = 17));
         assert!(with(&|p| p.marker_hz = f64::NAN));
         assert!(with(&|p| p.arrow_m_per_n = 0.0));
+    }
+
+    #[test]
+    fn names_are_those_that_ros_takes() {
+        for name in ["/hapdef", "/left_arm/shin", "/_a1", "/a_b/c2"] {
+            assert!(is_topic_name(name), "{name}");
+        }
+        for name in [
+            "", "/", "hapdef", "/a/", "//a", "/a//b", "/2nd", "/a/2", "/a__b", "/a-b", "/ä", "/a b",
+        ] {
+            let params = RosParams { prefix: name.to_owned(), ..RosParams::default() };
+            let error = params.check().unwrap_err().to_string();
+            assert!(error.contains("like /left_arm/shin"), "{name}: {error}");
+        }
     }
 }

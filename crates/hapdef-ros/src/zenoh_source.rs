@@ -18,6 +18,7 @@ use zenoh::sample::{Sample, SampleKind};
 use crate::error::RosError;
 use crate::rmw_names::{Publisher, messages_key, publishers_key, read_attachment, type_of_key};
 use crate::schema::{READABLE, definition, type_hash};
+use crate::topics::{TOPIC_NAME, is_topic_name};
 use crate::zenoh_session::{ROUTER, fault, open};
 
 /// After that long without a message the source says why.
@@ -95,18 +96,11 @@ impl ZenohSourceParams {
     }
 
     fn check(&self) -> Result<(), RosError> {
-        let is_word = |word: &str| {
-            !word.is_empty() && word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-        };
-        let words = self.name().strip_prefix('/').map(|name| name.split('/').all(is_word));
-        match words {
-            Some(true) => Ok(()),
-            _ => Err(RosError::Parameter {
-                name: "topic",
-                expected: "a name like /strain, with letters, digits, _ and /",
-                found: self.topic.clone(),
-            }),
+        if is_topic_name(self.name()) {
+            return Ok(());
         }
+        let (name, expected, found) = ("topic", TOPIC_NAME, self.topic.clone());
+        Err(RosError::Parameter { name, expected, found })
     }
 }
 

@@ -169,7 +169,7 @@ fn limbs_have_topics_and_frames_of_their_own(file: &str, source: &str, folder: &
     let live = ["live", file, "--source", source];
     refused(
         &[&live[..], &["--prefix", "left"]].concat(),
-        &["--prefix", "prefix", "/hapdef", "left"],
+        &["--prefix", "prefix", "/left_arm/shin", "left"],
     );
     refused(&[&live[..], &["--frame", "my limb"]].concat(), &["--frame", "frame_id", "my limb"]);
     let topics_of = |limb: &str| {
