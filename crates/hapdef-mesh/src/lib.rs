@@ -53,8 +53,8 @@ pub use shell::{
     WallKind, extrude, measure_solid, shell_from_solid,
 };
 pub use skin::{
-    GaugePatch, OuterSkinParams, PointIndex, RadialRegionParams, SkinRegion, Wall, clear_nodes,
-    face_positions, farthest_nodes, gauge_patch, outer_skin, radial_region, wall,
+    GaugePatch, HeldSolid, OuterSkinParams, PointIndex, RadialRegionParams, SkinRegion, Wall,
+    clear_nodes, face_positions, farthest_nodes, gauge_patch, outer_skin, radial_region, wall,
 };
 pub use solid::{
     BoundarySurface, PointField, PointValues, RefinedSolid, SolidBody, SolidFault, TET10_EDGES,

@@ -2,9 +2,7 @@
 
 use std::time::Instant;
 
-use hapdef_mesh::{
-    ClosestPoint, FeNodeId, GaugeId, MeshError, SkinRegion, Tet10Mesh, refine_unfolded,
-};
+use hapdef_mesh::{ClosestPoint, GaugeId, HeldSolid, MeshError, Tet10Mesh};
 use hapdef_sim::{
     ElasticModel, ElasticParams, FactorInfo, GaugeResponse, LoadedLimb, NodalLoad, PressedSkin,
     SolveInfo, Supports,
@@ -69,7 +67,7 @@ impl RealLimb {
         n_threads: usize,
     ) -> Result<Self, RigError> {
         let start = Instant::now();
-        let FinerLimb { mesh, clamped, flange, skin, n_straightened } =
+        let HeldSolid { mesh, clamped, flange, skin, n_straightened } =
             finer(nominal, params.refinements)?;
         let varied = vary_thickness(&mesh, &skin, &params.thickness, params.max_wall_m)?;
         let mesh = varied.mesh;
@@ -192,33 +190,15 @@ impl RealLimb {
 }
 
 /// The nominal limb on a finer mesh.
-struct FinerLimb {
-    mesh: Tet10Mesh,
-    clamped: Vec<FeNodeId>,
-    flange: Vec<FeNodeId>,
-    skin: SkinRegion,
-    n_straightened: usize,
-}
-
-fn finer(nominal: &NominalLimb<'_>, refinements: u32) -> Result<FinerLimb, MeshError> {
-    let mut finer = FinerLimb {
+fn finer(nominal: &NominalLimb<'_>, refinements: u32) -> Result<HeldSolid, MeshError> {
+    let own = HeldSolid {
         mesh: nominal.mesh.clone(),
         clamped: nominal.clamped.to_vec(),
         flange: nominal.loads.flange.to_vec(),
         skin: nominal.skin.clone(),
         n_straightened: 0,
     };
-    for _ in 0..refinements {
-        let refined = refine_unfolded(&finer.mesh)?;
-        finer = FinerLimb {
-            clamped: refined.node_set(&finer.clamped),
-            flange: refined.node_set(&finer.flange),
-            skin: SkinRegion::new(&refined.mesh, refined.faces(&finer.skin.faces))?,
-            n_straightened: finer.n_straightened + refined.n_straightened,
-            mesh: refined.mesh,
-        };
-    }
-    Ok(finer)
+    (0..refinements).try_fold(own, |solid, _| solid.refined())
 }
 
 fn stiffness_scale(mesh: &Tet10Mesh, params: &RigParams) -> Vec<f64> {

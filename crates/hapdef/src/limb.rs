@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use hapdef_mesh::{
-    BoundarySurface, DeckMaterial, FeNodeId, GaugePatch, SkinRegion, Tet10Mesh, gauge_patch,
+    BoundarySurface, DeckMaterial, FeNodeId, GaugePatch, HeldSolid, SkinRegion, Tet10Mesh,
+    gauge_patch,
 };
 use hapdef_sim::{
     GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, LoadedLimb, NodalLoad, PressedSkin,
@@ -124,6 +125,17 @@ impl Limb {
             density_kg_m3: self.material.density_kg_m3(),
         });
         scene
+    }
+
+    /// The solid with what is done to it, to be refined.
+    pub(crate) fn held_solid(&self) -> HeldSolid {
+        HeldSolid {
+            mesh: self.mesh.clone(),
+            clamped: self.clamped.clone(),
+            flange: self.flange.clone(),
+            skin: self.skin.clone(),
+            n_straightened: 0,
+        }
     }
 
     /// The middle of the mount, m: the mean place of the nodes that are held.

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, farthest_nodes, refine_unfolded};
+use hapdef_mesh::{FeNodeId, HeldSolid, farthest_nodes};
 use hapdef_sim::{
     ElasticModel, ElasticParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad, PressedSkin,
     SolverKind, Supports,
@@ -56,14 +56,6 @@ pub(crate) struct Levels<'a> {
     pub(crate) n_threads: usize,
 }
 
-struct Refined {
-    mesh: Tet10Mesh,
-    clamped: Vec<FeNodeId>,
-    flange: Vec<FeNodeId>,
-    skin: SkinRegion,
-    n_straightened: usize,
-}
-
 impl<'a> Levels<'a> {
     pub(super) fn new(limb: &'a Limb, params: &ConvergenceParams) -> Self {
         let chosen = farthest_nodes(&limb.mesh, &limb.skin.nodes, params.n_presses);
@@ -94,23 +86,18 @@ impl<'a> Levels<'a> {
         refinements: usize,
         say: &dyn Fn(&str),
     ) -> Result<Vec<MeshLevel>, HapdefError> {
-        let mut mesh = self.own();
-        let mut levels = Vec::new();
+        let mut mesh = self.limb.held_solid();
+        let (mut levels, mut n_straightened) = (Vec::new(), 0);
         loop {
             say(&format!("solving the mesh of {} FE nodes", mesh.mesh.nodes().len()));
-            levels.push(self.level(&mesh)?);
+            levels.push(self.level(&mesh, n_straightened)?);
             if levels.len() > refinements {
                 return Ok(levels);
             }
-            mesh = finer(&mesh)?;
+            let finer = mesh.refined()?;
+            n_straightened = finer.n_straightened - mesh.n_straightened;
+            mesh = finer;
         }
-    }
-
-    /// The mesh of the scene.
-    fn own(&self) -> Refined {
-        let Limb { mesh, clamped, flange, skin, .. } = self.limb;
-        let (mesh, clamped, flange) = (mesh.clone(), clamped.clone(), flange.clone());
-        Refined { mesh, clamped, flange, skin: skin.clone(), n_straightened: 0 }
     }
 
     /// A newton of the tip at each press, on the mesh of the scene.
@@ -118,16 +105,16 @@ impl<'a> Levels<'a> {
     /// # Errors
     /// [`HapdefError::Sim`].
     pub(super) fn own_tip_loads(&self) -> Result<Vec<NodalLoad>, HapdefError> {
-        self.tip_loads(&self.own())
+        self.tip_loads(&self.limb.held_solid())
     }
 
-    fn level(&self, refined: &Refined) -> Result<MeshLevel, HapdefError> {
+    fn level(&self, solid: &HeldSolid, n_straightened: usize) -> Result<MeshLevel, HapdefError> {
         let started = Instant::now();
-        let mesh = &refined.mesh;
+        let mesh = &solid.mesh;
         let elastic = ElasticParams {
-            supports: Supports::of_rigid_body(&refined.flange),
+            supports: Supports::of_rigid_body(&solid.flange),
             n_threads: self.n_threads,
-            ..ElasticParams::new(self.material, refined.clamped.clone())
+            ..ElasticParams::new(self.material, solid.clamped.clone())
         };
         let elastic_model = ElasticModel::build(mesh, &elastic)?;
         let build_s = started.elapsed().as_secs_f64();
@@ -138,7 +125,7 @@ impl<'a> Levels<'a> {
             SolverKind::Direct => self.n_tips,
             SolverKind::Iterative => self.n_tips.min(self.n_iterated_tips),
         };
-        let answers = Answers::of(&elastic_model, &gauges, &self.tip_loads(refined)?, n_tips)?;
+        let answers = Answers::of(&elastic_model, &gauges, &self.tip_loads(solid)?, n_tips)?;
         let under_point = |(node, direction): &(FeNodeId, Vector3<f64>)| {
             let (moved, _) = elastic_model.solve(&NodalLoad::nodal(*node, *direction))?;
             Ok::<_, HapdefError>(moved[node.index()].norm() * 1e6)
@@ -147,7 +134,7 @@ impl<'a> Levels<'a> {
             n_fe_nodes: mesh.nodes().len(),
             n_elements: mesh.elements().len(),
             n_equations: elastic_model.info().n_equations,
-            n_straightened: refined.n_straightened,
+            n_straightened,
             build_s,
             adjoint_s: answers.adjoint_s,
             reading_ue_per_n: answers.reading_ue_per_n,
@@ -161,22 +148,11 @@ impl<'a> Levels<'a> {
 
     /// A newton of the tip at each press; old nodes keep their number when a mesh is refined, and
     /// the tip stays where the scene's mesh has the node.
-    fn tip_loads(&self, refined: &Refined) -> Result<Vec<NodalLoad>, HapdefError> {
-        let skin = PressedSkin::new(&refined.mesh, &refined.skin)?;
+    fn tip_loads(&self, solid: &HeldSolid) -> Result<Vec<NodalLoad>, HapdefError> {
+        let skin = PressedSkin::new(&solid.mesh, &solid.skin)?;
         let load = |(node, direction): &(FeNodeId, Vector3<f64>)| {
             skin.load(&self.limb.mesh.position(*node), self.tip_radius_m, direction)
         };
         Ok(self.presses.iter().map(load).collect::<Result<_, _>>()?)
     }
-}
-
-fn finer(coarse: &Refined) -> Result<Refined, HapdefError> {
-    let refined = refine_unfolded(&coarse.mesh)?;
-    Ok(Refined {
-        clamped: refined.node_set(&coarse.clamped),
-        flange: refined.node_set(&coarse.flange),
-        skin: SkinRegion::new(&refined.mesh, refined.faces(&coarse.skin.faces))?,
-        n_straightened: refined.n_straightened,
-        mesh: refined.mesh,
-    })
 }

@@ -1,7 +1,7 @@
 //! A limb's response solved on a finer mesh than its own, and given on its own skin.
 
 use hapdef_inverse::{ResponseMap, ResponseParams, Skin, SkinFaces, SkinParams};
-use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, refine_unfolded};
+use hapdef_mesh::{FeNodeId, HeldSolid};
 use hapdef_sim::{ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain, Supports};
 use nalgebra::Vector3;
 use rstar::RTree;
@@ -14,10 +14,7 @@ use crate::limb::Limb;
 /// A limb's solid refined, its drawing unchanged.
 pub(super) struct FineLimb<'a> {
     limb: &'a Limb,
-    mesh: Tet10Mesh,
-    clamped: Vec<FeNodeId>,
-    flange: Vec<FeNodeId>,
-    skin: SkinRegion,
+    solid: HeldSolid,
 }
 
 impl<'a> FineLimb<'a> {
@@ -26,21 +23,8 @@ impl<'a> FineLimb<'a> {
     /// # Errors
     /// [`HapdefError::Mesh`] when parts turn inside out.
     pub(super) fn new(limb: &'a Limb, times: u32) -> Result<Self, HapdefError> {
-        let mut fine = Self {
-            limb,
-            mesh: limb.mesh.clone(),
-            clamped: limb.clamped.clone(),
-            flange: limb.flange.clone(),
-            skin: limb.skin.clone(),
-        };
-        for _ in 0..times {
-            let refined = refine_unfolded(&fine.mesh)?;
-            fine.clamped = refined.node_set(&fine.clamped);
-            fine.flange = refined.node_set(&fine.flange);
-            fine.skin = SkinRegion::new(&refined.mesh, refined.faces(&fine.skin.faces))?;
-            fine.mesh = refined.mesh;
-        }
-        Ok(fine)
+        let solid = (0..times).try_fold(limb.held_solid(), |solid, _| solid.refined())?;
+        Ok(Self { limb, solid })
     }
 
     /// The map of gauges at `sites` on the subdivided faces of the limb's own skin: the tip is averaged over the finer one. A gauge
@@ -54,17 +38,17 @@ impl<'a> FineLimb<'a> {
         tip_radius_m: f64,
         n_threads: usize,
     ) -> Result<ResponseMap, HapdefError> {
-        let faces = self.mesh.boundary().faces;
+        let faces = self.solid.mesh.boundary().faces;
         let anywhere = GaugeParams { max_lost_share: 1.0, ..self.limb.gauge_params };
-        let place = |site| GaugeStrain::with_params(&self.mesh, &faces, site, &anywhere);
+        let place = |site| GaugeStrain::with_params(&self.solid.mesh, &faces, site, &anywhere);
         let gauges: Vec<GaugeStrain> = sites.iter().map(place).collect::<Result<_, _>>()?;
         let elastic = ElasticParams {
-            supports: Supports::of_rigid_body(&self.flange),
+            supports: Supports::of_rigid_body(&self.solid.flange),
             n_threads,
-            ..ElasticParams::new(self.limb.material, self.clamped.clone())
+            ..ElasticParams::new(self.limb.material, self.solid.clamped.clone())
         };
-        let (response, _) = ElasticModel::build(&self.mesh, &elastic)?.response(&gauges)?;
-        let under_point = node_values(&self.skin.nodes, &response);
+        let (response, _) = ElasticModel::build(&self.solid.mesh, &elastic)?.response(&gauges)?;
+        let under_point = node_values(&self.solid.skin.nodes, &response);
         let tip = ResponseParams { tip_radius_m };
         let under_tip =
             ResponseMap::from_nodal(self.as_skin()?, gauges.len(), &under_point, &tip)?.nodal();
@@ -74,13 +58,14 @@ impl<'a> FineLimb<'a> {
     }
 
     fn as_skin(&self) -> Result<Skin, HapdefError> {
-        let place = |node| self.skin.nodes.partition_point(|other| *other < node) as u32;
-        let faces: Vec<[u32; 6]> = self.skin.faces.iter().map(|f| f.nodes.map(place)).collect();
-        let nodes = self.skin.nodes.iter();
+        let place = |node| self.solid.skin.nodes.partition_point(|other| *other < node) as u32;
+        let faces: Vec<[u32; 6]> =
+            self.solid.skin.faces.iter().map(|f| f.nodes.map(place)).collect();
+        let nodes = self.solid.skin.nodes.iter();
         Ok(Skin::new(
-            nodes.map(|node| self.mesh.position(*node)).collect(),
+            nodes.map(|node| self.solid.mesh.position(*node)).collect(),
             SkinFaces::Quadratic(&faces),
-            Some(&self.skin.normals),
+            Some(&self.solid.skin.normals),
             &SkinParams::default(),
         )?)
     }
@@ -88,8 +73,8 @@ impl<'a> FineLimb<'a> {
     /// The rows of the finer skin's nodes at the subdivided faces' points of the limb's own skin, which are nodes of
     /// every refined one.
     fn rows_at(&self, skin: &Skin, rows: &[Vector3<f64>], n_gauges: usize) -> Vec<Vector3<f64>> {
-        let position = |node: &FeNodeId| self.mesh.position(*node).coords.into();
-        let nodes = self.skin.nodes.iter().enumerate();
+        let position = |node: &FeNodeId| self.solid.mesh.position(*node).coords.into();
+        let nodes = self.solid.skin.nodes.iter().enumerate();
         let nodes = nodes.map(|(i, node)| GeomWithData::new(position(node), i));
         let nodes: RTree<GeomWithData<[f64; 3], usize>> = RTree::bulk_load(nodes.collect());
         let points = skin.subdivided_points();
