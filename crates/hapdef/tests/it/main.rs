@@ -25,5 +25,6 @@ mod shell_response;
 mod skin_scene;
 mod skin_solver;
 mod skips;
+mod support;
 mod touch;
 mod touch_sensor;

@@ -1,10 +1,12 @@
 //! A recorded phantom: a press beside one that slides and one that holds was reported as 132 N at the rim.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use hapdef::touch::{SearchPlace, Touch, TouchEstimator};
 use hapdef::{OpenParams, OpenScene};
 use nalgebra::Point3;
+
+use crate::support::shared;
 
 /// Frame in which the readings begin to move by the third press; 20 ms later it has to be known.
 const ONSET: usize = 1015;
@@ -19,17 +21,11 @@ const N_BEYOND: usize = 5;
 
 #[test]
 fn the_recorded_phantom_is_the_press_that_it_was() {
-    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    let shared =
-        std::env::var_os("HAPDEF_SHARED").map_or(here.join("../../../shared"), PathBuf::from);
-    let csv = shared.join("inputs/live-faults/phantom_132N_readings.csv");
-    let Ok(text) = std::fs::read_to_string(&csv) else {
-        println!("skipped: {} is absent (set HAPDEF_SHARED)", csv.display());
-        return;
-    };
+    let Some(csv) = shared("inputs/live-faults/phantom_132N_readings.csv") else { return };
+    let text = std::fs::read_to_string(csv).unwrap();
     let out = tempfile::tempdir().unwrap();
     let params = OpenParams { results: out.path().to_owned(), threads: 2, ..OpenParams::default() };
-    let demo = here.join("../../fixtures/shin/demo.json");
+    let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/demo.json");
     let scene = OpenScene::with_params(&demo, params).unwrap();
     let mut tracker = scene.solve().unwrap().tracker(SearchPlace::Here).unwrap();
     let third = Point3::new(-0.033, 0.097, -0.015);

@@ -1,13 +1,16 @@
-//! The bundled limb as a body to print: written, read back, measured.
+//! Limbs as bodies to print: written, read back, measured.
 
 use std::path::Path;
 
+use hapdef::new_limb::{NewLimb, NewLimbParams};
 use hapdef::scene::{Scene, read_scene};
-use hapdef::{Limb, PrintParams, PrintedLimb, print_limb};
+use hapdef::{Limb, PrintParams, PrintedLimb, Progress, print_limb};
 use hapdef_mesh::{
     GltfParams, LengthUnit, QualityReport, SurfaceMesh, read_surface, tet10, write_stl,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::support::shared;
 
 fn limb() -> (Scene, Limb) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
@@ -41,35 +44,109 @@ fn way_through_m(body: &SurfaceMesh, start: &Point3<f64>, ray: &Vector3<f64>) ->
     (0..body.triangles().len()).filter_map(meets).fold(f64::INFINITY, f64::min)
 }
 
+/// Volume of a closed body between two heights along `axis`, m³: areas of its sections, each a sum over the
+/// edges in which a plane cuts the triangles, by the midpoint rule.
+fn volume_between_m3(body: &SurfaceMesh, axis: &Vector3<f64>, heights_m: [f64; 2]) -> f64 {
+    const N_SECTIONS: usize = 500;
+    let step_m = (heights_m[1] - heights_m[0]) / N_SECTIONS as f64;
+    let section = |i: usize| {
+        let height_m = heights_m[0] + (i as f64 + 0.5) * step_m;
+        let doubled_m2 = |t: usize| {
+            let corners = body.corners(t);
+            let over_m = corners.map(|corner| corner.coords.dot(axis) - height_m);
+            let mut ends = [None; 2];
+            for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+                if (over_m[i] > 0.0) != (over_m[j] > 0.0) {
+                    let part = over_m[i] / (over_m[i] - over_m[j]);
+                    let met = corners[i].coords.lerp(&corners[j].coords, part);
+                    ends[usize::from(over_m[i] > 0.0)] = Some(met);
+                }
+            }
+            let [Some(from), Some(to)] = ends else { return 0.0 };
+            from.cross(&to).dot(axis)
+        };
+        0.5 * (0..body.triangles().len()).map(doubled_m2).sum::<f64>().abs()
+    };
+    (0..N_SECTIONS).map(section).sum::<f64>() * step_m
+}
+
+/// The printed limb read back is one closed body; its volume, pockets filled, and its wall at each gauge are the
+/// limb's within 2 %.
+#[track_caller]
+fn check_printed(scene: &Scene, limb: &Limb) -> PrintedLimb {
+    let params = PrintParams::default();
+    let printed = printed(scene, limb, &params);
+    let body = read_back(&printed.body);
+    let report = QualityReport::of(&body);
+    assert!(report.is_closed() && report.n_bodies == 1, "{report}");
+    let axis = Vector3::from(limb.axis.direction).normalize();
+    let heights = body.vertices().iter().map(|vertex| vertex.coords.dot(&axis));
+    let heights_m = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
+        [low.min(height), high.max(height)]
+    });
+    let whole = flat_boundary(limb);
+    let limb_m3 = volume_between_m3(&whole, &axis, heights_m);
+    let change = (report.signed_volume_m3 + printed.pockets_m3) / limb_m3 - 1.0;
+    assert!(change.abs() < 0.02, "volume: {change}");
+    // and what rises beside a pocket on a wall that is hollow there
+    let [longer_m, deep_m] = [params.clearance_m, params.pocket_m];
+    let flat = limb.sites.iter().map(|site| (site.length_m + longer_m) * (site.width_m + longer_m));
+    let pockets = printed.pockets_m3 / (flat.sum::<f64>() * deep_m);
+    assert!((0.8..2.5).contains(&pockets), "pockets: {pockets}");
+    for (site, gauge) in limb.sites.iter().zip(&limb.gauges) {
+        let bottom = site.position - gauge.normal() * deep_m;
+        let left_m = way_through_m(&body, &bottom, &-gauge.normal());
+        let wall_m = way_through_m(&whole, &site.position, &-gauge.normal());
+        let change = (left_m + deep_m) / wall_m - 1.0;
+        assert!(change.abs() < 0.02, "wall {wall_m}, {left_m} below the pocket");
+    }
+    printed
+}
+
 #[test]
 fn the_printed_limb_is_one_closed_body_with_the_wall_of_the_limb() {
     let (scene, limb) = limb();
-    let params = PrintParams::default();
-    let printed = printed(&scene, &limb, &params);
-    let body = read_back(&printed.body);
-    let report = QualityReport::of(&body);
-    assert!(report.is_closed(), "{report}");
-    assert_eq!((report.n_bodies, printed.trim_m), (1, 0.0), "{report}");
+    let printed = check_printed(&scene, &limb);
+    assert_eq!(printed.trim_m, 0.0);
     let elements = limb.mesh.elements().iter();
     let solid_m3: f64 =
         elements.map(|ids| tet10::volume(&ids.map(|id| limb.mesh.nodes()[id.index()]))).sum();
-    let change = report.signed_volume_m3 / (solid_m3 - printed.pockets_m3) - 1.0;
+    let change = (printed.body.signed_volume_m3() + printed.pockets_m3) / solid_m3 - 1.0;
     assert!(change.abs() < 0.02, "{change}");
-    // Ten pockets of 8.5 x 5.5 x 0.2 mm, and what rises beside them on a wall that is hollow there.
-    let flat_m3 = 10.0 * 0.0085 * 0.0055 * 2e-4;
-    assert!(
-        (0.8..2.5).contains(&(printed.pockets_m3 / flat_m3)),
-        "{}",
-        printed.pockets_m3 / flat_m3
-    );
-    let whole = flat_boundary(&limb);
-    for (site, gauge) in limb.sites.iter().zip(&limb.gauges) {
-        let bottom = site.position - gauge.normal() * params.pocket_m;
-        let left_m = way_through_m(&body, &bottom, &-gauge.normal());
-        let wall_m = way_through_m(&whole, &site.position, &-gauge.normal());
-        let change = (left_m + params.pocket_m) / wall_m - 1.0;
-        assert!(change.abs() < 0.02, "wall {wall_m}, {left_m} below the pocket");
-    }
+}
+
+/// A limb made of a surface, with a wall of `wall_m` and three gauges.
+#[track_caller]
+fn check_new_limb(surface: &Path, wall_m: f64, edge_m: f64) -> PrintedLimb {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path().join("limb");
+    let params = NewLimbParams {
+        wall_m: Some(wall_m),
+        edge_m: Some(edge_m),
+        n_gauges: Some(3),
+        takes_likeliest: true,
+        ..NewLimbParams::default()
+    };
+    let new = NewLimb::guess(surface, &params).unwrap();
+    let files = new.write(&folder, false, 2, Progress::silent()).unwrap();
+    let scene = read_scene(&files.scene).unwrap();
+    let limb = Limb::load(&scene, &folder).unwrap();
+    check_printed(&scene, &limb)
+}
+
+#[test]
+fn an_open_skin_with_its_wall_is_printed_as_it_is() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
+    let printed = check_new_limb(&folder.join("shin_skin.glb"), 1e-3, 6e-3);
+    assert_eq!(printed.trim_m, 0.0);
+}
+
+/// It is closed all round, so its mount is cut open.
+#[test]
+fn another_makers_limb_is_printed_as_it_is() {
+    let Some(surface) = shared("inputs/limbs/kinova_forearm.glb") else { return };
+    let printed = check_new_limb(&surface, 2e-3, 8e-3);
+    assert!(printed.trim_m > 0.0);
 }
 
 /// The limb's boundary with flat faces.
