@@ -1,7 +1,5 @@
 //! The response map: what every gauge reads for a newton anywhere on the skin.
 
-use std::borrow::Cow;
-
 use nalgebra::{Point3, Vector3};
 
 use crate::dense::padded;
@@ -30,6 +28,15 @@ pub struct ResponseMap {
     normal: Vec<f64>,
     /// `[n_rows, 3, padded(n_gauges)]`: for a newton along x, y, z.
     vector: Vec<f64>,
+}
+
+/// How the gauges of a term of a sum are mixed.
+#[derive(Clone, Debug)]
+pub(crate) enum Mix {
+    /// All with all, by a matrix `[n_gauges, n_gauges]`.
+    All(Vec<f64>),
+    /// Each by a factor of its own `[n_gauges]`.
+    Each(Vec<f64>),
 }
 
 impl ResponseMap {
@@ -137,17 +144,25 @@ impl ResponseMap {
         points.iter().map(|point| self.skin.normal(point)).collect()
     }
 
-    /// This map and Σ M h over `terms`, each a map h of the same skin with a matrix M
-    /// `[n_gauges, n_gauges]` that mixes its gauges, and `residual` `[n_values, n_gauges]` for a
+    /// This map and Σ M h over `terms`, each a map h of the same skin with M that mixes its gauges, and `residual` `[n_values, n_gauges]` for a
     /// newton against the normal, which in forces of any direction counts along the normal. Terms with
     /// fewer values are interpolated, and of those with more the nodes' count.
-    pub(crate) fn plus(&self, terms: &[(&Self, Vec<f64>)], residual: &[f64]) -> Self {
+    pub(crate) fn plus(&self, terms: &[(&Self, Mix)], residual: &[f64]) -> Self {
         let (m, width) = (self.n_gauges, padded(self.n_gauges));
         let mut map = self.clone();
+        let mut coarser: Option<Self> = None;
         for (term, mix) in terms {
-            let [normal, vector] = term.rows_like(self);
-            add_mixed(&mut map.normal, &normal, mix, m);
-            add_mixed(&mut map.vector, &vector, mix, m);
+            let sum = match self.interpolant.is_subdivided() && !term.interpolant.is_subdivided() {
+                true => coarser.get_or_insert_with(|| term.zero()),
+                false => &mut map,
+            };
+            mix.add(&mut sum.normal, &term.normal, m);
+            mix.add(&mut sum.vector, &term.vector, m);
+        }
+        if let Some(sum) = coarser {
+            let [normal, vector] = sum.rows_of(self);
+            add(&mut map.normal, normal);
+            add(&mut map.vector, vector);
         }
         let normals = self.value_normals();
         let mut normal = vec![0.0; normals.len() * width];
@@ -160,22 +175,28 @@ impl ResponseMap {
                 }
             }
         }
-        let add = |to: &mut [f64], more: Vec<f64>| {
-            to.iter_mut().zip(more).for_each(|(to, more)| *to += more);
-        };
         add(&mut map.normal, self.interpolant.control(&normal, width));
         add(&mut map.vector, self.interpolant.control(&vector, 3 * width));
         map
     }
 
-    /// Rows for normal forces and for those along x, y, z at the values of `other`, a map of the same skin.
-    fn rows_like(&self, other: &Self) -> [Cow<'_, [f64]>; 2] {
-        if self.interpolant.is_subdivided() || !other.interpolant.is_subdivided() {
-            return [Cow::Borrowed(&self.normal), Cow::Borrowed(&self.vector)];
+    /// Nothing, with as many values.
+    fn zero(&self) -> Self {
+        let (normal, vector) = (vec![0.0; self.normal.len()], vec![0.0; self.vector.len()]);
+        Self {
+            normal,
+            vector,
+            interpolant: self.interpolant.clone(),
+            skin: self.skin.clone(),
+            ..*self
         }
+    }
+
+    /// Rows for normal forces and for those along x, y, z where `other` has values, on the subdivided faces of the same skin.
+    fn rows_of(&self, other: &Self) -> [Vec<f64>; 2] {
         let width = padded(self.n_gauges);
-        let points = self.skin.subdivided_points();
-        let at = |rows: &[f64], width: usize| -> Cow<'_, [f64]> {
+        let points = other.skin.subdivided_points();
+        let at = |rows: &[f64], width: usize| -> Vec<f64> {
             let row = |point: &SkinPoint| {
                 let weights = self.interpolant.value_weights(&point.bary());
                 self.combined(rows, width, point, &weights)
@@ -317,6 +338,26 @@ impl ResponseMap {
     }
 }
 
+impl Mix {
+    /// to ← to + M from, row by row; rows of the `m` gauges are padded.
+    fn add(&self, to: &mut [f64], from: &[f64], m: usize) {
+        let width = padded(m);
+        for (to, from) in to.chunks_exact_mut(width).zip(from.chunks_exact(width)) {
+            match self {
+                Self::All(matrix) => {
+                    for (to, row) in to.iter_mut().zip(matrix.chunks_exact(m)) {
+                        *to += row.iter().zip(from).map(|(c, v)| c * v).sum::<f64>();
+                    }
+                }
+                Self::Each(factors) => {
+                    let terms = factors.iter().zip(from).map(|(c, v)| c * v);
+                    to.iter_mut().zip(terms).for_each(|(to, term)| *to += term);
+                }
+            }
+        }
+    }
+}
+
 fn check_gauges(n_gauges: usize) -> Result<(), InverseError> {
     if n_gauges == 0 {
         let (needed, n_live) = (3, 0);
@@ -352,15 +393,8 @@ fn against(normals: &[Vector3<f64>], vector: &[f64], n_gauges: usize) -> Vec<f64
     rows
 }
 
-/// to ← to + M from, row by row; rows are padded, `mix` `[m, m]`.
-fn add_mixed(to: &mut [f64], from: &[f64], mix: &[f64], m: usize) {
-    let width = padded(m);
-    for (to, from) in to.chunks_exact_mut(width).zip(from.chunks_exact(width)) {
-        for i in 0..m {
-            let row = &mix[i * m..(i + 1) * m];
-            to[i] += row.iter().zip(from).map(|(c, v)| c * v).sum::<f64>();
-        }
-    }
+fn add(to: &mut [f64], more: Vec<f64>) {
+    to.iter_mut().zip(more).for_each(|(to, more)| *to += more);
 }
 
 /// The map of gauges on `skin` that see waves of their own, of wave numbers up to `most_per_m`, rad/m.

@@ -7,7 +7,7 @@ use crate::calibration::output::BeyondPrior;
 use crate::calibration::params::{CalibrationParams, ModeMap, ModeScope};
 use crate::calibration::press::Press;
 use crate::error::{InverseError, check_length, check_not_negative};
-use crate::response::ResponseMap;
+use crate::response::{Mix, ResponseMap};
 use crate::skin_point::SkinPoint;
 
 /// Presses without which no calibration is tried: fewer leave hardly a neighbour to check any of them by.
@@ -94,7 +94,7 @@ impl<'a> Basis<'a> {
     }
 
     /// The terms of a corrected map for scaled coefficients `theta` `[n_gauges][n_columns]`.
-    pub(crate) fn terms(&self, theta: &[Vec<f64>]) -> Vec<(&'a ResponseMap, Vec<f64>)> {
+    pub(crate) fn terms(&self, theta: &[Vec<f64>]) -> Vec<(&'a ResponseMap, Mix)> {
         let m = self.map.n_gauges();
         let mut own = vec![0.0; m * m];
         for i in 0..m {
@@ -103,15 +103,12 @@ impl<'a> Basis<'a> {
                 own[i * m + j] += self.mix[i * m + j] * theta[i][1 + j];
             }
         }
-        let mut terms = vec![(self.map, own)];
+        let mut terms = vec![(self.map, Mix::All(own))];
         let in_order = self.modes_of(ModeScope::EachGauge).chain(self.modes_of(ModeScope::Shared));
         let first = self.n_columns() - self.modes.len();
         for (place, (_, mode)) in in_order.enumerate() {
-            let mut diagonal = vec![0.0; m * m];
-            for i in 0..m {
-                diagonal[i * m + i] = mode.prior_sd * theta[i][first + place];
-            }
-            terms.push((mode.map, diagonal));
+            let factors = theta.iter().map(|row| mode.prior_sd * row[first + place]).collect();
+            terms.push((mode.map, Mix::Each(factors)));
         }
         terms
     }
