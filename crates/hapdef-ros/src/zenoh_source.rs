@@ -48,7 +48,7 @@ pub struct ZenohSourceParams {
 /// Frames of the messages that a node publishes with rmw_zenoh, as [`TopicReader`] makes them.
 ///
 /// Gaps in the publisher's numbers are lost frames. A router that is not there, a topic that nobody publishes and
-/// a publisher that is silent are told after 2 s, and waited for; messages without numbers for these gauges end
+/// a publisher that is silent are reported after 2 s, and waited for; messages without numbers for these gauges end
 /// it.
 pub struct ZenohSource {
     params: ZenohSourceParams,

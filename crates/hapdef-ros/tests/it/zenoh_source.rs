@@ -206,7 +206,7 @@ fn another_type_is_refused_before_a_message_comes() {
     assert!(text.contains(&format!("{ARRAY} by another definition (RIHS01_abc)")), "{text}");
 }
 
-/// A node that comes in its place with another type is told, not read as if it were the same.
+/// A node that comes in its place with another type is reported, not read as if it were the same.
 #[test]
 fn another_type_later_is_left_out() {
     let address = free_address();
@@ -239,7 +239,7 @@ fn another_number_of_channels_is_refused() {
     assert!(text.contains("topic /strain: a message has 3 numbers, expected 10"), "{text}");
 }
 
-/// No router, then one without the topic, then a silent publisher: each is told within 3 s, and waited for.
+/// No router, then one without the topic, then a silent publisher: each is reported within 3 s, and waited for.
 #[test]
 fn what_is_missing_is_told_and_waited_for() {
     let address = free_address();

@@ -36,7 +36,7 @@ pub struct Row {
     pub n_refused: [usize; 3],
     /// Root mean square of the gains' error.
     pub gain_error: f64,
-    /// The same in standard deviations as they are told; none where no touch was taken.
+    /// The same in standard deviations as they are reported; none where no touch was taken.
     pub gain_error_sds: Option<f64>,
     /// Single presses, and two at a time.
     pub scores: [TouchScore; 2],

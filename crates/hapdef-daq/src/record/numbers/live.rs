@@ -106,7 +106,7 @@ impl TopicReader {
     }
 
     /// Takes a message: HELLO before the first frame, and the frame. What another publisher sends, and a message
-    /// that is unlike the first, is left out, counted and now and then told.
+    /// that is unlike the first, is left out, counted and now and then reported.
     ///
     /// # Errors
     /// The first message has no numbers for these gauges, so that no later one will.
