@@ -115,14 +115,13 @@ fn the_printed_limb_is_one_closed_body_with_the_wall_of_the_limb() {
     assert!(change.abs() < 0.02, "{change}");
 }
 
-/// A limb made of a surface, with a wall of `wall_m` and three gauges.
+/// A limb made of a surface, with three gauges.
 #[track_caller]
-fn check_new_limb(surface: &Path, wall_m: f64, edge_m: f64) -> PrintedLimb {
+fn check_new_limb(surface: &Path, edge_m: Option<f64>) -> PrintedLimb {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path().join("limb");
     let params = NewLimbParams {
-        wall_m: Some(wall_m),
-        edge_m: Some(edge_m),
+        edge_m,
         n_gauges: Some(3),
         takes_likeliest: true,
         ..NewLimbParams::default()
@@ -137,7 +136,7 @@ fn check_new_limb(surface: &Path, wall_m: f64, edge_m: f64) -> PrintedLimb {
 #[test]
 fn an_open_skin_with_its_wall_is_printed_as_it_is() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
-    let printed = check_new_limb(&folder.join("shin_skin.glb"), 1e-3, 6e-3);
+    let printed = check_new_limb(&folder.join("shin_skin.glb"), None);
     assert_eq!(printed.trim_m, 0.0);
 }
 
@@ -145,7 +144,7 @@ fn an_open_skin_with_its_wall_is_printed_as_it_is() {
 #[test]
 fn another_makers_limb_is_printed_as_it_is() {
     let Some(surface) = shared("inputs/limbs/kinova_forearm.glb") else { return };
-    let printed = check_new_limb(&surface, 2e-3, 8e-3);
+    let printed = check_new_limb(&surface, Some(8e-3));
     assert!(printed.trim_m > 0.0);
 }
 
