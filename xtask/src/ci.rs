@@ -112,7 +112,10 @@ fn beside<T, U: Send>(
         let second = scope.spawn(second);
         let first = first();
         let second = second.join().unwrap_or_else(|_| bail!("panicked"));
-        Ok((first?, second?))
+        match (first, second) {
+            (Err(first), Err(second)) => bail!("{first:#}; beside it {second:#}"),
+            (first, second) => Ok((first?, second?)),
+        }
     })
 }
 

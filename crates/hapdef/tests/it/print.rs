@@ -79,7 +79,7 @@ fn check_printed(scene: &Scene, limb: &Limb) -> PrintedLimb {
     let body = read_back(&printed.body);
     let report = QualityReport::of(&body);
     assert!(report.is_closed() && report.n_bodies == 1, "{report}");
-    let axis = Vector3::from(limb.axis.direction).normalize();
+    let axis = Vector3::from(limb.axis.direction).try_normalize(0.0).unwrap();
     let heights = body.vertices().iter().map(|vertex| vertex.coords.dot(&axis));
     let heights_m = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
         [low.min(height), high.max(height)]
