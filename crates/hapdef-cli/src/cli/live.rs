@@ -270,6 +270,7 @@ impl Model {
         let recordings = Recordings {
             are_possible: args.view.is_wanted() && !args.is_recorded(),
             calibration: self.calibration,
+            is_lossless: args.is_unpaced(),
         };
         let mount_m = self.mount_m;
         if let Some(address) = args.ros.foxglove {

@@ -54,6 +54,8 @@ struct Shared {
     source: String,
     topics: Vec<TopicDef>,
     calibration: Option<Vec<u8>>,
+    /// The disk is waited for.
+    is_lossless: bool,
     /// Wall clock less monotonic clock while nothing is recorded.
     wall_offset_ns: u64,
     /// For the threads that read and that make messages: held for a moment only.
@@ -86,16 +88,18 @@ struct TeeEnd {
 }
 
 impl LiveRecorder {
-    /// A recorder for `source`, with the source to use instead.
+    /// A recorder for `source`, with the source to use instead. Where it `is_lossless`, messages wait for the disk.
     pub(super) fn new(
         source: Box<dyn FrameSource>,
         params: &RosParams,
         calibration: Option<Vec<u8>>,
+        is_lossless: bool,
     ) -> Result<(Tee, Self)> {
         let shared = Arc::new(Shared {
             source: source.name(),
             topics: topics(params)?,
             calibration,
+            is_lossless,
             wall_offset_ns: SystemClock.wall_ns().wrapping_sub(SystemClock.now_ns()),
             feed: Mutex::default(),
             running: Mutex::default(),
@@ -294,9 +298,16 @@ impl FrameSource for Tee {
 impl MessageSink for LiveRecorderSink {
     fn put(&mut self, topic: TopicKind, stamp_ns: u64, message: &[u8]) {
         let feed = lock(&self.shared.feed);
-        if let Some(topics) = feed.topics.as_ref().filter(|t| feed.has(t, stamp_ns)) {
-            topics.put(topic.number(), stamp_ns, message.to_vec());
-        }
+        let Some(topics) = feed.topics.as_ref().filter(|t| feed.has(t, stamp_ns)).cloned() else {
+            return;
+        };
+        // who reads the source takes this lock for each reading
+        drop(feed);
+        let message = message.to_vec();
+        match self.shared.is_lossless {
+            true => topics.put_waiting(topic.number(), stamp_ns, message),
+            false => topics.put(topic.number(), stamp_ns, message),
+        };
     }
 
     fn wants(&self, _topic: TopicKind) -> bool {

@@ -67,6 +67,8 @@ pub(super) struct Recordings {
     pub(super) are_possible: bool,
     /// The calibration in use, JSON.
     pub(super) calibration: Option<String>,
+    /// The source waits for whatever is made of it, and so for the disk.
+    pub(super) is_lossless: bool,
 }
 
 /// Frames of the runtime as messages of ROS.
@@ -106,8 +108,9 @@ impl RosArgs {
         }
         let (mut source, mut recorder) = (source, None);
         if recordings.are_possible || self.record.is_some() {
-            let (tee, new) =
-                LiveRecorder::new(source, &params, self.calibration(recordings.calibration)?)?;
+            let calibration = self.calibration(recordings.calibration)?;
+            let is_lossless = recordings.is_lossless;
+            let (tee, new) = LiveRecorder::new(source, &params, calibration, is_lossless)?;
             source = Box::new(tee);
             sinks.push(Box::new(new.sink()));
             names.push("recording".to_owned());

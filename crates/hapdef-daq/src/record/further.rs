@@ -29,7 +29,7 @@ pub struct TopicDef {
     pub schema: String,
 }
 
-/// Hands messages of further topics to a recorder; from any thread, and never waits.
+/// Hands messages of further topics to a recorder, from any thread.
 #[derive(Clone)]
 pub struct TopicWriter {
     sender: SyncSender<Put>,
@@ -52,12 +52,27 @@ pub(crate) struct Puts {
 
 impl TopicWriter {
     /// Hands over a message of topic number `topic` (its place in
-    /// [`super::RecordParams::topics`]), `log_time_ns` since 1970 UTC. False if it was not taken:
-    /// the disk was too slow for too long, the recording has ended, or it is longer than
+    /// [`super::RecordParams::topics`]), `log_time_ns` since 1970 UTC, and never waits. False if it was not
+    /// taken: the disk was too slow for too long, the recording has ended, or it is longer than
     /// [`MAX_MESSAGE_LEN`]; it counts as dropped then.
     pub fn put(&self, topic: usize, log_time_ns: u64, message: Vec<u8>) -> bool {
+        self.counted(topic, log_time_ns, message, |put| self.sender.try_send(put).is_ok())
+    }
+
+    /// The same, but where the disk is too slow it is waited for: for what comes from a source that waits, too.
+    pub fn put_waiting(&self, topic: usize, log_time_ns: u64, message: Vec<u8>) -> bool {
+        self.counted(topic, log_time_ns, message, |put| self.sender.send(put).is_ok())
+    }
+
+    fn counted(
+        &self,
+        topic: usize,
+        log_time_ns: u64,
+        message: Vec<u8>,
+        send: impl FnOnce(Put) -> bool,
+    ) -> bool {
         let put = Put { channel: channel_of(topic), log_time_ns, message };
-        let is_taken = put.message.len() <= MAX_MESSAGE_LEN && self.sender.try_send(put).is_ok();
+        let is_taken = put.message.len() <= MAX_MESSAGE_LEN && send(put);
         if !is_taken {
             self.n_dropped.fetch_add(1, Ordering::Relaxed);
         }
@@ -212,6 +227,28 @@ impl Definitions {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_slow_disk_loses_messages_unless_it_is_waited_for() {
+        let n = QUEUE_LEN + 100;
+        for waits in [false, true] {
+            let (writer, Puts { receiver, n_dropped }) = queue(0);
+            let hands_over = move || {
+                let put = if waits { TopicWriter::put_waiting } else { TopicWriter::put };
+                (0..n).filter(|&i| put(&writer, 0, i as u64, Vec::new())).count()
+            };
+            let producer = std::thread::spawn(hands_over);
+            // nothing is written until the queue is full
+            while !waits && !producer.is_finished() {
+                std::thread::yield_now();
+            }
+            let written: Vec<u64> = receiver.iter().map(|put| put.log_time_ns).collect();
+            let n_taken = if waits { n } else { QUEUE_LEN };
+            assert_eq!(producer.join().unwrap(), n_taken);
+            assert!(written.into_iter().eq(0..n_taken as u64));
+            assert_eq!(n_dropped.load(Ordering::Relaxed), (n - n_taken) as u64);
+        }
+    }
 
     #[test]
     fn lengths_that_are_not_there_are_not_believed() {
