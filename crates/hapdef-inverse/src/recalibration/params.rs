@@ -38,8 +38,12 @@ impl RecalibrationParams {
             gain_drift_per_hour: 2e-3,
             zero_sd: 1e3 * largest,
             zero_drift_per_touch: 5.0 * largest,
+            // About the length with which a calibration begins to look for its own map's error.
             map_length_m: 0.01,
+            // The state has so many values for each gauge; places touched longer ago say little of gains that drift.
             max_places: 32,
+            // Hardly a right touch in the life of a limb, while one declared centimetres away is far beyond it:
+            // `--example recalibration` counts both.
             refuse_p: 1e-6,
         }
     }
