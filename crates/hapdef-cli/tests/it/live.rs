@@ -17,6 +17,8 @@ use hapdef_live::Bundle;
 use hapdef_ros::{from_cdr, msg};
 use serde_json::Value;
 
+use crate::support::damage::flip_amid_a_chunk;
+
 /// µε per count.
 const SCALE: f32 = 1.0 / 64.0;
 
@@ -248,8 +250,7 @@ fn the_calibration_in_use_is_recorded(bundle: &Bundle, source: &str, folder: &Pa
 /// What a chunk that is gone has taken is lost, and a file that is none is refused.
 fn damage_is_told_and_counted(file: &str, recording: &str) {
     let mut bytes = std::fs::read(recording).unwrap();
-    let middle = bytes.len() / 2;
-    bytes[middle] ^= 1;
+    flip_amid_a_chunk(&mut bytes);
     std::fs::write(recording, bytes).unwrap();
     let source = format!("replay:{recording}@max");
     let played = hapdef(&["live", file, "--source", &source]);

@@ -13,6 +13,8 @@ use hapdef_daq::{AcquireParams, Frame, Message, acquire};
 use rustix::process::Signal;
 use serde_json::Value;
 
+use crate::support::damage::flip_amid_a_chunk;
+
 fn hapdef(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hapdef"));
     command.args(arguments);
@@ -233,8 +235,7 @@ fn recover_says_by_its_exit_code_what_was_lost() {
     assert_eq!(info["n_frames"], 1190);
 
     let mut bytes = std::fs::read(&whole).unwrap();
-    let middle = bytes.len() / 2;
-    bytes[middle] ^= 1;
+    flip_amid_a_chunk(&mut bytes);
     std::fs::write(out("bad.mcap"), &bytes).unwrap();
     let saved = recover(&out("bad.mcap"), "b.mcap");
     assert_eq!(saved.status.code(), Some(1));

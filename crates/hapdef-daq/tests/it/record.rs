@@ -15,6 +15,7 @@ use hapdef_daq::source::{
 use hapdef_daq::{AcquireParams, DaqError, Message, acquire};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use support::damage::flip_amid_a_chunk;
 use support::recorded::{CALIBRATION, check_frames, frames, params, recorded};
 use support::{Device, is_right, wait_for};
 
@@ -160,8 +161,7 @@ fn recovery_says_what_is_lost() {
     let to = folder.path().join("saved.mcap");
     recorded(&path, 4000);
     let mut bytes = std::fs::read(&path).unwrap();
-    let middle = bytes.len() / 2;
-    bytes[middle] ^= 4;
+    flip_amid_a_chunk(&mut bytes);
     std::fs::write(&path, &bytes).unwrap();
     let info = recover(&path, &to).unwrap();
     println!("{info}");

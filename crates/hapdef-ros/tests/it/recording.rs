@@ -8,6 +8,7 @@ use hapdef_daq::record::{Content, Record, Recording, recover};
 use hapdef_ros::{RosParams, TopicKind, from_cdr, msg, topics};
 use nalgebra::Point3;
 
+use support::damage::flip_amid_a_chunk;
 use support::{Kept, recorded};
 
 const N: u32 = 600;
@@ -103,10 +104,9 @@ fn damage_costs_a_chunk_and_recovery_keeps_the_topics() {
     let path = folder.path().join("press.mcap");
     let (info, _) = recorded(&path, N);
     let mut bytes = std::fs::read(&path).unwrap();
-    // The definitions' first copy, and something in the middle.
+    flip_amid_a_chunk(&mut bytes);
+    // And the definitions' first copy.
     bytes[200] ^= 4;
-    let middle = bytes.len() / 2;
-    bytes[middle] ^= 1;
     let (bad, good) = (folder.path().join("bad.mcap"), folder.path().join("good.mcap"));
     std::fs::write(&bad, &bytes).unwrap();
     let saved = recover(&bad, &good).unwrap();

@@ -1,5 +1,7 @@
 //! What several tests share.
 
+#[path = "../../../../hapdef-daq/tests/it/support/damage.rs"]
+pub mod damage;
 pub mod page;
 
 use std::path::Path;

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test uses its part")]
 
+#[path = "../../../../hapdef-daq/tests/it/support/damage.rs"]
+pub mod damage;
 pub mod read_back;
 #[cfg(feature = "zenoh")]
 pub mod zenoh_session;
