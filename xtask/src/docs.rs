@@ -18,7 +18,10 @@ const LEFT_OUT: [&str; 2] = ["cargo xtask test", "cargo xtask repro --quick --ta
 /// Commands that take long as they are shown, and what is run in their place.
 const SMALLER: [(&str, &str); 13] = [
     ("cargo xtask bench nets", "cargo xtask bench nets -- --skip-trained --rounds 2"),
-    ("cargo xtask frontier nets --quick", "cargo xtask frontier nets --quick -- --rounds 1"),
+    (
+        "cargo xtask frontier nets --quick",
+        "cargo xtask frontier nets --quick -- --rounds 1 --steps 100 --other-steps 200 --singles 2000 --multis 500",
+    ),
     ("cargo bench --bench infer", "cargo bench --bench infer -- --test"),
     ("cargo xtask bench view", "cargo xtask bench view -- --seconds 2"),
     (
