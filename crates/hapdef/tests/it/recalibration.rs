@@ -154,3 +154,30 @@ fn a_journal_that_does_not_fit_is_refused_with_what_to_do() {
     assert!(Calibration::read(&path, &limb).unwrap().since.is_none());
     assert!(recalibrator.touch(&touches[2], &assumed, 3).unwrap().is_accepted);
 }
+
+#[test]
+fn of_two_programs_at_once_neither_loses_the_others_touches() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, limb) = demo(folder.path());
+    let path = folder.path().join("calibration.json");
+    let pressed = Calibration::read(&fixture("demo_calibration.json.gz"), &limb).unwrap();
+    pressed.write(&path).unwrap();
+    let touches = touches(&pressed, &run, &limb, 0.02);
+    let assumed = TouchAssumptions::default();
+    let [mut first, mut second] = [(); 2].map(|()| Recalibrator::open(&path, &limb).unwrap());
+    first.touch(&touches[0], &assumed, 1).unwrap();
+    second.touch(&touches[1], &assumed, 1).unwrap();
+    first.write().unwrap();
+    let files = || [&path, first.journal_path()].map(|path| std::fs::read(path).unwrap());
+    let written = files();
+    let refused = second.write().unwrap_err().to_string();
+    assert!(refused.contains("another program has recorded touches"), "{refused}");
+    assert_eq!(files(), written);
+    // The first goes on, and so does the second once it has read what the first wrote.
+    first.touch(&touches[2], &assumed, 2).unwrap();
+    first.write().unwrap();
+    let mut second = Recalibrator::open(&path, &limb).unwrap();
+    second.touch(&touches[3], &assumed, 3).unwrap();
+    second.write().unwrap();
+    assert_eq!(Calibration::read(&path, &limb).unwrap().since.unwrap().n_touches, 3);
+}

@@ -3,6 +3,7 @@
 mod declared;
 mod journal;
 
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -27,6 +28,8 @@ pub struct Recalibrator {
     site_error: Vec<f64>,
     journal_path: PathBuf,
     journal: String,
+    /// The journal as its file has it, as far as is known here.
+    journal_on_disk: String,
     /// Touches that were taken and not undone.
     kept: Vec<JournalTouch>,
     /// What they have shown; none before the first.
@@ -62,6 +65,7 @@ impl Recalibrator {
             sites,
             site_error,
             journal_path,
+            journal_on_disk: journal.clone(),
             journal,
             kept: Vec::new(),
             state: None,
@@ -130,11 +134,18 @@ impl Recalibrator {
     /// Writes the journal, then the calibration.
     ///
     /// # Errors
-    /// [`HapdefError::File`] when one can't be written.
+    /// [`HapdefError::Journal`] where another program has recorded touches since this one opened the journal: neither
+    /// file is changed; [`HapdefError::File`] when one can't be written.
     pub fn write(&mut self) -> Result<(), HapdefError> {
+        let _alone = self.lock_folder()?;
+        if journal::read_text(&self.journal_path)? != self.journal_on_disk {
+            let what = "another program has recorded touches in it meanwhile; nothing was written: give these again";
+            return Err(self.fault(what.to_owned()));
+        }
         let text = self.journal.as_bytes();
         atomic_write(&self.journal_path, |file| file.write_all(text))
             .map_err(HapdefError::file(&self.journal_path))?;
+        self.journal_on_disk.clone_from(&self.journal);
         self.calibration.since = self.since();
         self.calibration.write(&self.path)
     }
@@ -170,6 +181,18 @@ impl Recalibrator {
     #[must_use]
     pub fn journal_path(&self) -> &Path {
         &self.journal_path
+    }
+
+    /// Waits until no other program writes a calibration of this folder; none does while the handle is open.
+    ///
+    /// The folder is locked as the files in it are replaced, and a lock would go with the replaced file.
+    fn lock_folder(&self) -> Result<File, HapdefError> {
+        let folder = match self.path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let lock = |folder: File| folder.lock().map(|()| folder);
+        File::open(folder).and_then(lock).map_err(HapdefError::file(folder))
     }
 
     /// Relative change of each gain since the calibration `[n_gauges]`.
