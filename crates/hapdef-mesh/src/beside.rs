@@ -3,8 +3,9 @@
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-/// The folder that the file at `path` lies in.
-pub(crate) fn folder_of(path: &Path) -> &Path {
+/// The folder that the file at `path` lies in; `.` for a bare name.
+#[must_use]
+pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 

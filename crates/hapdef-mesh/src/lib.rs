@@ -39,6 +39,7 @@ pub use self::gltf::{
 pub use self::remesh::{RemeshInfo, RemeshParams, SurfaceDistance, remesh, surface_distance};
 pub use self::shin::{Shin, ShinHole, ShinOutline, ShinParams, shin};
 pub use atomic::atomic_write;
+pub use beside::folder_of;
 #[cfg(feature = "wrap")]
 pub use carve::{Pocket, trimmed, with_pockets};
 pub use deck::{

@@ -16,11 +16,23 @@ fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin").join(name)
 }
 
-fn demo(out: &Path) -> (Run, Limb) {
+/// The demo's limb with a calibration of its own, as it was pressed.
+struct Pressed {
+    run: Run,
+    limb: Limb,
+    /// The calibration's file.
+    path: PathBuf,
+    pressed: Calibration,
+}
+
+fn pressed(folder: &Path) -> Pressed {
     let scene = fixture("demo.json");
-    let run = Run::new(&scene, Profile::quick(), out, 2, Progress::silent()).unwrap();
+    let run = Run::new(&scene, Profile::quick(), folder, 2, Progress::silent()).unwrap();
     let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
-    (run, limb)
+    let path = folder.join("calibration.json");
+    let pressed = Calibration::read(&fixture("demo_calibration.json.gz"), &limb).unwrap();
+    pressed.write(&path).unwrap();
+    Pressed { run, limb, path, pressed }
 }
 
 /// Simulated: contacts of gauges whose gains drift by up to 6 % are found as well as before after 30 known touches,
@@ -70,10 +82,7 @@ fn touches(calibration: &Calibration, run: &Run, limb: &Limb, gain: f64) -> Vec<
 #[test]
 fn touches_are_recorded_and_undone_and_what_is_used_follows() {
     let folder = tempfile::tempdir().unwrap();
-    let (mut run, limb) = demo(folder.path());
-    let path = folder.path().join("calibration.json");
-    let pressed = Calibration::read(&fixture("demo_calibration.json.gz"), &limb).unwrap();
-    pressed.write(&path).unwrap();
+    let Pressed { mut run, limb, path, pressed } = pressed(folder.path());
     let as_pressed = std::fs::read(&path).unwrap();
     let touches = touches(&pressed, &run, &limb, 0.02);
     let assumed = TouchAssumptions::default();
@@ -130,10 +139,7 @@ fn touches_are_recorded_and_undone_and_what_is_used_follows() {
 #[test]
 fn a_journal_that_does_not_fit_is_refused_with_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
-    let (run, limb) = demo(folder.path());
-    let path = folder.path().join("calibration.json");
-    let pressed = Calibration::read(&fixture("demo_calibration.json.gz"), &limb).unwrap();
-    pressed.write(&path).unwrap();
+    let Pressed { run, limb, path, pressed } = pressed(folder.path());
     let touches = touches(&pressed, &run, &limb, 0.0);
     let assumed = TouchAssumptions::default();
     let mut recalibrator = Recalibrator::open(&path, &limb).unwrap();
@@ -158,10 +164,7 @@ fn a_journal_that_does_not_fit_is_refused_with_what_to_do() {
 #[test]
 fn of_two_programs_at_once_neither_loses_the_others_touches() {
     let folder = tempfile::tempdir().unwrap();
-    let (run, limb) = demo(folder.path());
-    let path = folder.path().join("calibration.json");
-    let pressed = Calibration::read(&fixture("demo_calibration.json.gz"), &limb).unwrap();
-    pressed.write(&path).unwrap();
+    let Pressed { run, limb, path, pressed } = pressed(folder.path());
     let touches = touches(&pressed, &run, &limb, 0.02);
     let assumed = TouchAssumptions::default();
     let [mut first, mut second] = [(); 2].map(|()| Recalibrator::open(&path, &limb).unwrap());
@@ -180,4 +183,10 @@ fn of_two_programs_at_once_neither_loses_the_others_touches() {
     second.touch(&touches[3], &assumed, 3).unwrap();
     second.write().unwrap();
     assert_eq!(Calibration::read(&path, &limb).unwrap().since.unwrap().n_touches, 3);
+    // Presses that were taken anew meanwhile stay, too.
+    second.touch(&touches[4], &assumed, 4).unwrap();
+    pressed.write(&path).unwrap();
+    let refused = second.write().unwrap_err().to_string();
+    assert!(refused.contains("calibrated anew"), "{refused}");
+    assert!(Calibration::read(&path, &limb).unwrap().since.is_none());
 }

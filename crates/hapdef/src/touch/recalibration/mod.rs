@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use hapdef_inverse::{Recalibration, ResponseMap, ScanSites};
-use hapdef_mesh::atomic_write;
+use hapdef_mesh::{atomic_write, folder_of};
 
 pub use declared::{DeclaredForce, DeclaredTouch, TouchAssumptions};
 use journal::Stamp;
@@ -28,12 +28,18 @@ pub struct Recalibrator {
     site_error: Vec<f64>,
     journal_path: PathBuf,
     journal: String,
-    /// The journal as its file has it, as far as is known here.
-    journal_on_disk: String,
+    on_disk: OnDisk,
     /// Touches that were taken and not undone.
     kept: Vec<JournalTouch>,
     /// What they have shown; none before the first.
     state: Option<Recalibration>,
+}
+
+/// What the files had when they were last read or written here.
+#[derive(PartialEq)]
+struct OnDisk {
+    calibration: Vec<u8>,
+    journal: String,
 }
 
 impl Recalibrator {
@@ -52,11 +58,13 @@ impl Recalibrator {
     /// # Errors
     /// As [`Calibration::read`]; [`HapdefError::Journal`] for a line that is no entry; [`HapdefError::File`].
     pub fn open(path: &Path, limb: &Limb) -> Result<Self, HapdefError> {
+        let journal_path = journal::journal_path(path);
+        // Read before what is computed with: what comes between the two is noticed when it is to be written.
+        let on_disk = OnDisk::read(path, &journal_path)?;
         let calibration = Calibration::read(path, limb)?;
         let (map, site_error) = calibration.as_pressed(limb)?;
         let sites = ScanSites::farthest(map.skin(), calibration.n_sites)?;
-        let journal_path = journal::journal_path(path);
-        let journal = journal::read_text(&journal_path)?;
+        let journal = on_disk.journal.clone();
         let kept = journal::in_use(&journal_path, &journal, &calibration.presses_hash)?;
         let mut opened = Self {
             path: path.to_owned(),
@@ -65,8 +73,8 @@ impl Recalibrator {
             sites,
             site_error,
             journal_path,
-            journal_on_disk: journal.clone(),
             journal,
+            on_disk,
             kept: Vec::new(),
             state: None,
         };
@@ -134,20 +142,22 @@ impl Recalibrator {
     /// Writes the journal, then the calibration.
     ///
     /// # Errors
-    /// [`HapdefError::Journal`] where another program has recorded touches since this one opened the journal: neither
-    /// file is changed; [`HapdefError::File`] when one can't be written.
+    /// [`HapdefError::Journal`] where another program has changed one of the two since they were opened: neither is
+    /// written; [`HapdefError::File`] when one can't be read or written, or their folder can't be locked.
     pub fn write(&mut self) -> Result<(), HapdefError> {
-        let _alone = self.lock_folder()?;
-        if journal::read_text(&self.journal_path)? != self.journal_on_disk {
-            let what = "another program has recorded touches in it meanwhile; nothing was written: give these again";
+        let _alone = lock_folder(&self.path)?;
+        if OnDisk::read(&self.path, &self.journal_path)? != self.on_disk {
+            let what = "another program has recorded touches or calibrated anew meanwhile; nothing was written: \
+                        give these touches again";
             return Err(self.fault(what.to_owned()));
         }
         let text = self.journal.as_bytes();
         atomic_write(&self.journal_path, |file| file.write_all(text))
             .map_err(HapdefError::file(&self.journal_path))?;
-        self.journal_on_disk.clone_from(&self.journal);
         self.calibration.since = self.since();
-        self.calibration.write(&self.path)
+        self.calibration.write(&self.path)?;
+        self.on_disk = OnDisk::read(&self.path, &self.journal_path)?;
+        Ok(())
     }
 
     /// The calibration with what the touches have shown so far.
@@ -181,18 +191,6 @@ impl Recalibrator {
     #[must_use]
     pub fn journal_path(&self) -> &Path {
         &self.journal_path
-    }
-
-    /// Waits until no other program writes a calibration of this folder; none does while the handle is open.
-    ///
-    /// The folder is locked as the files in it are replaced, and a lock would go with the replaced file.
-    fn lock_folder(&self) -> Result<File, HapdefError> {
-        let folder = match self.path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let lock = |folder: File| folder.lock().map(|()| folder);
-        File::open(folder).and_then(lock).map_err(HapdefError::file(folder))
     }
 
     /// Relative change of each gain since the calibration `[n_gauges]`.
@@ -287,4 +285,20 @@ impl Recalibrator {
     fn fault(&self, what: String) -> HapdefError {
         HapdefError::Journal { path: self.journal_path.clone(), what }
     }
+}
+
+impl OnDisk {
+    fn read(calibration: &Path, journal: &Path) -> Result<Self, HapdefError> {
+        let bytes = std::fs::read(calibration).map_err(HapdefError::file(calibration))?;
+        Ok(Self { calibration: bytes, journal: journal::read_text(journal)? })
+    }
+}
+
+/// Waits until no other recalibration writes beside `path`; none does while the handle is open.
+///
+/// The folder is locked as the files in it are replaced, and a lock would go with the replaced file.
+fn lock_folder(path: &Path) -> Result<File, HapdefError> {
+    let folder = folder_of(path);
+    let lock = |folder: File| folder.lock().map(|()| folder);
+    File::open(folder).and_then(lock).map_err(HapdefError::file(folder))
 }
