@@ -31,6 +31,20 @@ pub enum SceneError {
     Value { file: String, path: String, expected: &'static str, found: String },
 }
 
+/// What is wrong with a robot file.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "a variant's message is its documentation")]
+pub enum RobotError {
+    #[error("{file}: can't be read: {source}; check the path")]
+    Unreadable { file: String, source: std::io::Error },
+    #[error("{file}: this is no whole JSON: {source}; correct it there, or write the file again")]
+    NoJson { file: String, source: serde_json::Error },
+    #[error("{file}: at {path}: {source}; docs/live.md lists every field of a robot file")]
+    Form { file: String, path: String, source: serde_json::Error },
+    #[error("{file}: at {path}: expected {expected}, found {found}; {advice}")]
+    Value { file: String, path: String, expected: String, found: String, advice: &'static str },
+}
+
 /// What can stop the pipeline.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "a variant's message is its documentation")]

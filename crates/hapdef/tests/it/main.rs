@@ -16,6 +16,7 @@ mod phantom;
 mod plan;
 mod print;
 mod recalibration;
+mod robot;
 mod saturation;
 mod scene_search;
 mod session;
