@@ -11,7 +11,7 @@ pub(crate) struct Asset {
     text: &'static str,
 }
 
-const HTML: &str = "text/html; charset=utf-8";
+pub(crate) const HTML: &str = "text/html; charset=utf-8";
 const CSS: &str = "text/css; charset=utf-8";
 const JS: &str = "text/javascript; charset=utf-8";
 const SVG: &str = "image/svg+xml";
@@ -26,7 +26,7 @@ macro_rules! asset {
     };
 }
 
-/// Every file of the page.
+/// Every file of a limb's page.
 pub(crate) const ASSETS: &[Asset] = &[
     asset!("/", "index.html", HTML),
     asset!("/style.css", "style.css", CSS),
@@ -61,6 +61,10 @@ pub(crate) const ASSETS: &[Asset] = &[
     asset!("/vendor/three/OrbitControls.js", "vendor/three/OrbitControls.js", JS),
 ];
 
+/// What the page of a robot has of its own.
+const ROBOT_ASSETS: [Asset; 2] =
+    [asset!("/js/robot.js", "js/robot.js", JS), asset!("/robot.css", "robot.css", CSS)];
+
 /// The import by a bare name in the vendored controls, which browsers resolve only by an inline map.
 const BARE_IMPORT: &str = "from 'three';";
 const OWN_IMPORT: &str = "from './three.module.min.js';";
@@ -78,7 +82,7 @@ impl Asset {
 
 /// The file at `path`.
 pub(crate) fn find(path: &str) -> Option<&'static Asset> {
-    ASSETS.iter().find(|asset| asset.path == path)
+    ASSETS.iter().chain(&ROBOT_ASSETS).find(|asset| asset.path == path)
 }
 
 #[cfg(test)]

@@ -32,6 +32,14 @@ pub enum ViewError {
     #[cfg(feature = "server")]
     #[error("cannot start the page's thread: {source}")]
     Thread { source: std::io::Error },
+    #[cfg(feature = "server")]
+    #[error(
+        "a limb's page of {found:?}: expected a word of letters, digits and _ that no other limb has"
+    )]
+    LimbName { found: String },
+    #[cfg(feature = "server")]
+    #[error("{name:?} is no limb of this robot's page, or its page is there already")]
+    NoSuchLimb { name: String },
     #[error("a press of {default_n} N at first and {max_n} N at most: expected 0 < first ≤ most")]
     BadPressOffer { default_n: f64, max_n: f64 },
     #[error("the limb's picture has {found} {what}, expected {expected}")]

@@ -13,7 +13,6 @@ use crate::command::ViewCommand;
 use crate::device::DeviceState;
 use crate::error::ViewError;
 use crate::frame::ViewFrame;
-use crate::guard::Guard;
 use crate::offers::Offers;
 use crate::picture::LimbPicture;
 use crate::token::Token;
@@ -29,7 +28,6 @@ pub(crate) struct Feed {
     pub(crate) token: Token,
     /// Whether nothing is shown without the token.
     pub(crate) token_always: bool,
-    pub(crate) guard: Guard,
     /// How long a page may answer nothing.
     pub(crate) patience: Duration,
     pub(crate) surface: Bytes,
@@ -68,7 +66,6 @@ impl Feed {
         offers: Offers,
         token: Token,
         token_always: bool,
-        guard: Guard,
         patience: Duration,
         commands: SyncSender<ViewCommand>,
     ) -> Self {
@@ -79,7 +76,6 @@ impl Feed {
             offers,
             token,
             token_always,
-            guard,
             patience,
             commands,
             latest: ArcSwapOption::empty(),

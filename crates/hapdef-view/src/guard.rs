@@ -8,8 +8,25 @@ use axum::http::header::{
 };
 
 /// The page loads its own scripts and styles, talks to its own server, and nothing else.
-pub(crate) const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
      connect-src 'self'; img-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+/// The same for the page of one limb of several, which the robot's page has in a frame.
+const FRAMED_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
+     connect-src 'self'; img-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
+/// The robot's page has frames of its own server, and talks to nobody.
+const ROBOT_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
+     frame-src 'self'; img-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// What an answer may do in a browser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Policy {
+    /// Everything but the two pages below.
+    Plain,
+    /// A limb's page, in a frame of the robot's.
+    Framed,
+    /// The page of a robot, with its limbs in frames.
+    Robot,
+}
 
 /// The hosts, with port, that the page may be asked by.
 #[derive(Debug)]
@@ -59,9 +76,14 @@ impl Guard {
 }
 
 /// The headers of every answer.
-pub(crate) fn headers() -> [(HeaderName, HeaderValue); 5] {
+pub(crate) fn headers(policy: Policy) -> [(HeaderName, HeaderValue); 5] {
+    let policy = match policy {
+        Policy::Plain => POLICY,
+        Policy::Framed => FRAMED_POLICY,
+        Policy::Robot => ROBOT_POLICY,
+    };
     [
-        (CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY)),
+        (CONTENT_SECURITY_POLICY, HeaderValue::from_static(policy)),
         (X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff")),
         (REFERRER_POLICY, HeaderValue::from_static("no-referrer")),
         (CACHE_CONTROL, HeaderValue::from_static("no-store")),

@@ -6,6 +6,7 @@
 //! sees the newest frame when it is ready for one. What people do on the page comes out of
 //! [`ViewHandle::commands`] as [`ViewCommand`]s. The page is embedded, needs no network, and is shown
 //! only to the hosts that are allowed; commands need the [`Token`] of [`ViewHandle::url`].
+//! [`ViewServer::start_robot`] shows several limbs on one page, at one port and with one token.
 //!
 //! Without the feature `server` there are the messages alone: a [`LocalPage`] makes them for a page that
 //! is reached otherwise, as in a browser that runs the whole program; [`static_files`] are that page.
@@ -35,7 +36,11 @@ mod params;
 mod picture;
 mod ranges;
 #[cfg(feature = "server")]
+mod robot_page;
+#[cfg(feature = "server")]
 mod server;
+#[cfg(feature = "server")]
+mod site;
 #[cfg(feature = "server")]
 mod static_page;
 #[cfg(feature = "server")]
@@ -55,7 +60,7 @@ pub use params::ViewParams;
 pub use picture::{GaugeSite, LimbPicture};
 pub use ranges::Ranges;
 #[cfg(feature = "server")]
-pub use server::{ViewHandle, ViewPusher, ViewServer};
+pub use server::{RobotView, ViewHandle, ViewPusher, ViewServer};
 #[cfg(feature = "server")]
 pub use static_page::{STATIC_MODEL, STATIC_MODULE, StaticFile, static_files};
 #[cfg(feature = "server")]

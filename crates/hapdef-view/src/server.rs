@@ -8,12 +8,6 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use axum::Router;
-use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{Request, State};
-use axum::http::{StatusCode, Uri, header::CONTENT_TYPE};
-use axum::middleware::{Next, from_fn_with_state};
-use axum::response::{IntoResponse, Response};
-use axum::routing::get;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -21,8 +15,6 @@ use tokio::sync::oneshot;
 use tokio::task::AbortHandle;
 use tokio::time::{interval, sleep, timeout};
 
-use crate::assets;
-use crate::client;
 use crate::client_stats::ClientInfo;
 use crate::command::ViewCommand;
 use crate::device::DeviceState;
@@ -30,12 +22,12 @@ use crate::error::ViewError;
 use crate::feed::Feed;
 use crate::frame::ViewFrame;
 use crate::guard::{self, Guard};
+use crate::offers::Offers;
 use crate::params::ViewParams;
 use crate::picture::LimbPicture;
+use crate::site::{Site, router};
 use crate::token::Token;
 
-/// Largest message of a page, bytes.
-const MAX_INBOUND: usize = 64 << 10;
 /// Time that a connection has for the head of a request, its first or a further one.
 const HEAD_TIME: Duration = Duration::from_secs(5);
 /// Time that a connection has until it is a page's: slow readers of a file go, too.
@@ -53,14 +45,17 @@ const MAX_COMMANDS: usize = 256;
 /// The live page's server.
 pub struct ViewServer;
 
-/// A page that is served until this is dropped.
+/// A page that is served until this is dropped; a limb's page of several as long as any handle of them is there.
 pub struct ViewHandle {
     pusher: ViewPusher,
     commands: Receiver<ViewCommand>,
-    address: SocketAddr,
-    url: String,
-    stop: Option<oneshot::Sender<()>>,
-    thread: Option<JoinHandle<()>>,
+    server: Arc<Running>,
+}
+
+/// The page of a robot: its limbs side by side, each with a page of its own, which [`Self::limb`] begins. It is
+/// served until this and the handles of its limbs are dropped.
+pub struct RobotView {
+    server: Arc<Running>,
 }
 
 /// Hands on frames, from any thread.
@@ -69,8 +64,19 @@ pub struct ViewPusher {
     feed: Arc<Feed>,
 }
 
+/// A server with its thread, which ends when this is dropped.
+struct Running {
+    site: Arc<Site>,
+    patience: Duration,
+    token: Token,
+    address: SocketAddr,
+    url: String,
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
 impl ViewServer {
-    /// Listens and serves the page from a thread of its own.
+    /// Listens and serves the page of one limb from a thread of its own.
     ///
     /// # Errors
     /// [`ViewError`] when the address cannot be used, the parameters or the picture are refused, or the
@@ -78,32 +84,56 @@ impl ViewServer {
     pub fn start(params: ViewParams, picture: LimbPicture) -> Result<ViewHandle, ViewError> {
         params.check()?;
         picture.check()?;
-        let token = params.token.map_or_else(Token::random, Ok)?;
-        let unusable = |source| ViewError::Bind { address: params.bind, source };
-        let listener = TcpListener::bind(params.bind).map_err(unusable)?;
-        listener.set_nonblocking(true).map_err(unusable)?;
-        let address = listener.local_addr().map_err(unusable)?;
-        let url = url(address, &params.allowed_hosts, &token);
-        let (sender, commands) = sync_channel(MAX_COMMANDS);
-        let feed = Arc::new(Feed::new(
-            picture,
-            params.offers,
-            token,
-            !address.ip().is_loopback(),
-            Guard::new(address, &params.allowed_hosts),
-            params.patience,
-            sender,
-        ));
-        let (stop, stopped) = oneshot::channel();
-        let thread = spawn(listener, Arc::clone(&feed), stopped)?;
-        Ok(ViewHandle {
-            pusher: ViewPusher { feed },
-            commands,
-            address,
-            url,
-            stop: Some(stop),
-            thread: Some(thread),
-        })
+        let offers = params.offers.clone();
+        let server = Arc::new(Running::start(params, Site::of_limb)?);
+        server.limb("", offers, picture)
+    }
+
+    /// Listens and serves the page of a robot: at `/` its `limbs` side by side, at `/limb/NAME/` each by itself.
+    /// A limb's page waits until [`RobotView::limb`] begins it. What pages can ask for is said there, limb by limb, not
+    /// by `params`.
+    ///
+    /// # Errors
+    /// As [`Self::start`]; [`ViewError::LimbName`] for a limb whose name is no word of letters, digits and _, or that is
+    /// there twice.
+    pub fn start_robot(
+        params: ViewParams,
+        robot: &str,
+        limbs: &[String],
+    ) -> Result<RobotView, ViewError> {
+        params.check()?;
+        check_names(limbs)?;
+        let server = Running::start(params, |guard| Site::of_robot(guard, robot, limbs))?;
+        Ok(RobotView { server: Arc::new(server) })
+    }
+}
+
+impl RobotView {
+    /// Begins the page of a limb that [`ViewServer::start_robot`] was told of.
+    ///
+    /// # Errors
+    /// The picture or what it offers is refused; [`ViewError::NoSuchLimb`] for another limb, or one whose page is there.
+    pub fn limb(
+        &self,
+        name: &str,
+        offers: Offers,
+        picture: LimbPicture,
+    ) -> Result<ViewHandle, ViewError> {
+        offers.check()?;
+        picture.check()?;
+        self.server.limb(name, offers, picture)
+    }
+
+    /// Where it listens.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        self.server.address
+    }
+
+    /// The robot's page's address with the token: for the person who started it, nobody else.
+    #[must_use]
+    pub fn url(&self) -> &str {
+        &self.server.url
     }
 }
 
@@ -148,13 +178,13 @@ impl ViewHandle {
     /// Where it listens.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
-        self.address
+        self.server.address
     }
 
     /// The page's address with the token: for the person who started it, nobody else.
     #[must_use]
     pub fn url(&self) -> &str {
-        &self.url
+        &self.server.url
     }
 }
 
@@ -173,13 +203,71 @@ impl ViewPusher {
     }
 }
 
-impl Drop for ViewHandle {
+impl Running {
+    fn start(params: ViewParams, site: impl FnOnce(Guard) -> Site) -> Result<Self, ViewError> {
+        let token = params.token.clone().map_or_else(Token::random, Ok)?;
+        let unusable = |source| ViewError::Bind { address: params.bind, source };
+        let listener = TcpListener::bind(params.bind).map_err(unusable)?;
+        listener.set_nonblocking(true).map_err(unusable)?;
+        let address = listener.local_addr().map_err(unusable)?;
+        let url = url(address, &params.allowed_hosts, &token);
+        let site = Arc::new(site(Guard::new(address, &params.allowed_hosts)));
+        let (stop, stopped) = oneshot::channel();
+        let thread = spawn(listener, Arc::clone(&site), stopped)?;
+        Ok(Self {
+            site,
+            patience: params.patience,
+            token,
+            address,
+            url,
+            stop: Some(stop),
+            thread: Some(thread),
+        })
+    }
+
+    /// Begins a limb's page.
+    fn limb(
+        self: &Arc<Self>,
+        name: &str,
+        offers: Offers,
+        picture: LimbPicture,
+    ) -> Result<ViewHandle, ViewError> {
+        let (sender, commands) = sync_channel(MAX_COMMANDS);
+        let feed = Arc::new(Feed::new(
+            picture,
+            offers,
+            self.token.clone(),
+            !self.address.ip().is_loopback(),
+            self.patience,
+            sender,
+        ));
+        if !self.site.begin(name, Arc::clone(&feed)) {
+            return Err(ViewError::NoSuchLimb { name: name.to_owned() });
+        }
+        Ok(ViewHandle { pusher: ViewPusher { feed }, commands, server: Arc::clone(self) })
+    }
+}
+
+impl Drop for Running {
     fn drop(&mut self) {
         drop(self.stop.take());
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
     }
+}
+
+/// Refuses names that are no part of an address, or are there twice.
+fn check_names(limbs: &[String]) -> Result<(), ViewError> {
+    let is_word = |name: &str| {
+        !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_')
+    };
+    for (i, name) in limbs.iter().enumerate() {
+        if !is_word(name) || limbs[..i].contains(name) {
+            return Err(ViewError::LimbName { found: name.clone() });
+        }
+    }
+    Ok(())
 }
 
 fn url(address: SocketAddr, allowed_hosts: &[String], token: &Token) -> String {
@@ -192,7 +280,7 @@ fn url(address: SocketAddr, allowed_hosts: &[String], token: &Token) -> String {
 
 fn spawn(
     listener: TcpListener,
-    feed: Arc<Feed>,
+    site: Arc<Site>,
     stopped: oneshot::Receiver<()>,
 ) -> Result<JoinHandle<()>, ViewError> {
     let failed = |source| ViewError::Thread { source };
@@ -203,8 +291,8 @@ fn spawn(
     drop(entered);
     let serve = async move {
         tokio::select! {
-            () = settle(Arc::clone(&feed)) => {}
-            () = accept(listener, router(feed)) => {}
+            () = settle(Arc::clone(&site)) => {}
+            () = accept(listener, router(site)) => {}
             _ = stopped => {}
         }
     };
@@ -238,46 +326,10 @@ async fn accept(listener: tokio::net::TcpListener, router: Router) {
 }
 
 /// Sees to it that a press ends whose release found no room among the commands.
-async fn settle(feed: Arc<Feed>) {
+async fn settle(site: Arc<Site>) {
     let mut ticks = interval(SETTLE_TIME);
     loop {
         ticks.tick().await;
-        feed.settle_press();
+        site.feeds().for_each(|feed| feed.settle_press());
     }
-}
-
-fn router(feed: Arc<Feed>) -> Router {
-    Router::new()
-        .route("/live", get(live))
-        .fallback_service(get(asset))
-        .layer(from_fn_with_state(Arc::clone(&feed), guarded))
-        .with_state(feed)
-}
-
-/// Refuses what is not asked of this host by its own page, and puts the policy on every answer.
-async fn guarded(State(feed): State<Arc<Feed>>, request: Request, next: Next) -> Response {
-    let mut response = if feed.guard.allows(request.headers()) {
-        next.run(request).await
-    } else {
-        (StatusCode::FORBIDDEN, "this host or origin is not allowed\n").into_response()
-    };
-    response.headers_mut().extend(guard::headers());
-    response
-}
-
-async fn asset(uri: Uri) -> Response {
-    match assets::find(uri.path()) {
-        Some(asset) => ([(CONTENT_TYPE, asset.media_type)], asset.body()).into_response(),
-        None => (StatusCode::NOT_FOUND, "no such file\n").into_response(),
-    }
-}
-
-async fn live(State(feed): State<Arc<Feed>>, upgrade: WebSocketUpgrade) -> Response {
-    let Some(place) = feed.place() else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open\n").into_response();
-    };
-    upgrade
-        .max_message_size(MAX_INBOUND)
-        .max_frame_size(MAX_INBOUND)
-        .on_upgrade(move |socket| client::serve(place, socket))
 }

@@ -11,6 +11,13 @@ const SILENT_MS = 1500;
 const DEAD_MS = 10000;
 const LOOK_MS = 250;
 
+/** Where the program speaks: beside the page. */
+function address() {
+  const url = new URL("live", location.href);
+  url.protocol = "ws:";
+  return url.href;
+}
+
 /** Connects for ever; `on` has hello(hello, surface), device(message), frame(buffer),
  * text(message), state(name). */
 export class Link {
@@ -34,7 +41,7 @@ export class Link {
 
   connect() {
     this.reading.begin();
-    const socket = new WebSocket(`ws://${location.host}/live`);
+    const socket = new WebSocket(address());
     this.socket = socket;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => this.send({ cmd: "hello", token: this.token });

@@ -11,5 +11,6 @@ mod browser_looks;
 mod browser_reads;
 mod browser_simulated;
 mod feed;
+mod robot;
 mod security;
 mod support;

@@ -52,9 +52,14 @@ pub fn request(port: u16, method: &str, path: &str, headers: &[&str]) -> (u16, S
 
 /// Asks for a WebSocket; the status where it is refused.
 pub fn connect_as(port: u16, host: &str, origin: Option<&str>) -> Result<Socket, u16> {
+    connect_at(port, "/live", host, origin)
+}
+
+/// The same at a path.
+pub fn connect_at(port: u16, path: &str, host: &str, origin: Option<&str>) -> Result<Socket, u16> {
     let stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
     stream.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
-    let mut request = format!("ws://127.0.0.1:{port}/live").into_client_request().unwrap();
+    let mut request = format!("ws://127.0.0.1:{port}{path}").into_client_request().unwrap();
     request.headers_mut().insert("Host", HeaderValue::from_str(host).unwrap());
     if let Some(origin) = origin {
         request.headers_mut().insert("Origin", HeaderValue::from_str(origin).unwrap());
