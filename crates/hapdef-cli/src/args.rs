@@ -49,18 +49,30 @@ impl SceneArgs {
         self.prepare_amounts(self.profile.amounts())
     }
 
-    /// The same with other amounts than the profile's.
+    /// Sets the threads of the whole process, for several scenes that are read one by one.
+    ///
+    /// # Errors
+    /// [`HapdefError::Threads`] when the process has its threads already.
+    pub fn start_threads(&self) -> Result<(), PrepareError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads);
+        Ok(pool.build_global().map_err(HapdefError::Threads)?)
+    }
+
+    /// As [`Self::prepare`] with other amounts than the profile's.
     pub(crate) fn prepare_amounts(&self, amounts: Profile) -> Result<Run, PrepareError> {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads)
-            .build_global()
-            .map_err(HapdefError::Threads)?;
+        self.start_threads()?;
+        let run = self.read(amounts)?;
+        crate::stop_on_signals(run.stop.clone())?;
+        Ok(run)
+    }
+
+    /// Reads the scene alone.
+    pub(crate) fn read(&self, amounts: Profile) -> Result<Run, PrepareError> {
         let progress = crate::on_stderr();
         let mut run = Run::new(&self.scene, amounts, &self.results, self.threads, progress)?;
         if let Some(seed) = self.seed {
             run.set_seed(seed)?;
         }
-        crate::stop_on_signals(run.stop.clone())?;
         Ok(run)
     }
 }

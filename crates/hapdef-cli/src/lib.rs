@@ -15,7 +15,8 @@ pub use args::{ProfileName, SceneArgs, scene_path};
 pub use error::PrepareError;
 pub use exit::{exit_code, shown};
 pub use print::{
-    JsonLines, StandardOutput, check_printed, is_end_of_reader, note_line, print_json, print_line,
+    JsonLines, StandardLines, StandardOutput, check_printed, is_end_of_reader, note_line,
+    print_json, print_line,
 };
 pub use progress::{be_quiet, is_quiet, on_stderr};
 pub use signals::stop_on_signals;

@@ -8,6 +8,9 @@ use std::sync::Mutex;
 use hapdef_contact::{printable, printable_lines};
 use serde::Serialize;
 
+/// Bytes of lines that wait for standard output.
+const MOST_WAITING: usize = 8 << 10;
+
 /// Why standard output took no more.
 static FAULT: Mutex<Option<Error>> = Mutex::new(None);
 
@@ -64,6 +67,38 @@ impl StandardOutput {
     #[must_use]
     pub fn is_terminal(&self) -> bool {
         std::io::stdout().is_terminal()
+    }
+}
+
+/// Standard output for whole lines, which wait until there are some or [`Write::flush`] wants them out: those of
+/// several writers never mix.
+#[derive(Default)]
+pub struct StandardLines {
+    waiting: Vec<u8>,
+}
+
+impl Write for StandardLines {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Error> {
+        self.waiting.extend_from_slice(bytes);
+        if self.waiting.len() >= MOST_WAITING {
+            self.hand_over()?;
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Result<(), Error> {
+        self.hand_over()?;
+        StandardOutput.flush()
+    }
+}
+
+impl StandardLines {
+    /// A line that has not ended goes on waiting.
+    fn hand_over(&mut self) -> Result<(), Error> {
+        let n_whole = self.waiting.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
+        let written = std::io::stdout().lock().write_all(&self.waiting[..n_whole]);
+        self.waiting.drain(..n_whole);
+        written.map_err(own)
     }
 }
 

@@ -1,5 +1,8 @@
 //! Command-line arguments of what trains nets.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use hapdef::{OutputScale, Profile, Run, Samples};
@@ -68,6 +71,19 @@ impl TrainingArgs {
     /// # Errors
     /// The same.
     pub fn prepare(&self, scene: &SceneArgs) -> Result<Run, PrepareError> {
+        scene.prepare_amounts(self.profile(scene))
+    }
+
+    /// Reads the scene alone, one of several of a process whose threads [`SceneArgs::start_threads`] sets; `stop`
+    /// stops the run.
+    ///
+    /// # Errors
+    /// [`hapdef::HapdefError::Scene`] when the scene is refused.
+    pub fn read(&self, scene: &SceneArgs, stop: Arc<AtomicBool>) -> Result<Run, PrepareError> {
+        Ok(Run { stop, ..scene.read(self.profile(scene))? })
+    }
+
+    fn profile(&self, scene: &SceneArgs) -> Profile {
         let mut profile = self.amounts.profile(scene);
         let map = &mut profile.reconstruction;
         map.steps = self.steps.unwrap_or(map.steps);
@@ -83,7 +99,7 @@ impl TrainingArgs {
                 schedule.steps = steps;
             }
         }
-        scene.prepare_amounts(profile)
+        profile
     }
 }
 

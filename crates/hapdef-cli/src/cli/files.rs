@@ -1,7 +1,7 @@
-//! Files that a command writes: none is overwritten unasked.
+//! Files that a command writes, none of which is overwritten unasked, and files that it tells apart.
 
 use std::fs::{File, OpenOptions};
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
@@ -17,4 +17,14 @@ pub(super) fn new_file(path: &Path, option: &str) -> Result<File> {
         }
         opened => opened.with_context(|| format!("{option}: writing {}", shown(path))),
     }
+}
+
+/// A bundle begins with the length of a header and `{`; a scene is text.
+pub(super) fn is_bundle(path: &Path) -> Result<bool> {
+    let shown = || shown(path);
+    let mut begin = [0; 9];
+    let mut file = File::open(path).with_context(|| format!("{}: check the path", shown()))?;
+    let n = file.read(&mut begin).with_context(shown)?;
+    let has_its_name = path.extension().is_some_and(|e| e == "hapdef");
+    Ok(has_its_name || (n == begin.len() && begin[8] == b'{' && begin[7] == 0))
 }

@@ -89,6 +89,10 @@ impl FromStr for ThresholdArg {
 }
 
 impl AlertArgs {
+    pub(super) fn is_wanted(&self) -> bool {
+        self.alert.is_some()
+    }
+
     /// What says it, where that is asked for.
     pub(super) fn sink(&self) -> Result<Option<AlertSink<Box<dyn Write + Send>>>> {
         let Some(address) = &self.alert else {

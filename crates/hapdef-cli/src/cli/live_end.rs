@@ -1,46 +1,23 @@
 //! When `hapdef live` ends, and what it says then.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
-
 use anyhow::{Result, bail};
 use hapdef_contact::printable;
 use hapdef_daq::source::LinkState;
 use hapdef_live::{Health, Live};
 
-use super::live_record::{LiveRecorder, LiveRecorderState};
-
-/// How often it looks whether to end.
-const LOOK: Duration = Duration::from_millis(20);
-
 /// Names of the sinks on standard output.
 const PRINTED: [&str; 2] = ["json", "text"];
 
-/// Until the source has ended, the person or `--seconds` ends it, nobody listens any more, or the device is
-/// another than the gauges'. A recording that stops is reported at once; the rest goes on without it.
-pub(super) fn wait(
-    live: &Live,
-    seconds: Option<f64>,
-    recorder: Option<&LiveRecorder>,
-    stop: &AtomicBool,
-) {
-    let start = Instant::now();
-    let is_over = || seconds.is_some_and(|s| start.elapsed().as_secs_f64() >= s);
+/// Whether there is something to wait for: until the source has ended, nobody listens any more, or the device is
+/// another than the gauges'.
+pub(super) fn goes_on(live: &Live) -> bool {
     let is_in_vain = || {
         let health = live.health();
         let nobody_listens =
             !health.sinks.is_empty() && health.sinks.iter().all(|sink| sink.failure.is_some());
         nobody_listens || other_device(&health).is_some()
     };
-    let mut recorder = recorder;
-    while !live.has_ended() && !stop.load(Ordering::Relaxed) && !is_over() && !is_in_vain() {
-        if let Some(LiveRecorderState::Failed { why }) = recorder.map(LiveRecorder::state) {
-            // Nobody may read it any more: what becomes of the recording is said in the end, too.
-            eprintln!("the recording stopped: {}", printable(&why));
-            recorder = None;
-        }
-        std::thread::sleep(LOOK);
-    }
+    !live.has_ended() && !is_in_vain()
 }
 
 /// What waiting does not mend: why the device that is there can't be used.
@@ -53,11 +30,11 @@ fn other_device(health: &Health) -> Option<String> {
 }
 
 /// The last line, whether there were frames, and frames that could be used, and whether all that was asked for was
-/// written. Standard output tells of its own faults.
-pub(super) fn report(health: &Health) -> Result<()> {
+/// written. Lines begin with `begin`. Standard output tells of its own faults.
+pub(super) fn report(begin: &str, health: &Health) -> Result<()> {
     let total = &health.total;
     eprintln!(
-        "{} frames, {} lost, {} dropped, {} late, {} refused; compute p50 {:.0} µs, p99 {:.0} µs, \
+        "{begin}{} frames, {} lost, {} dropped, {} late, {} refused; compute p50 {:.0} µs, p99 {:.0} µs, \
          longest {:.0} µs",
         health.n_frames,
         health.n_lost,
@@ -69,7 +46,7 @@ pub(super) fn report(health: &Health) -> Result<()> {
         total.compute.max_us,
     );
     if let Some(refusal) = &health.last_refusal {
-        eprintln!("the estimator refused frames: {}", printable(refusal));
+        eprintln!("{begin}the estimator refused frames: {}", printable(refusal));
     }
     let name = &health.source_name;
     if let Some(fault) = &health.reader_fault {
@@ -90,7 +67,7 @@ pub(super) fn report(health: &Health) -> Result<()> {
         }
     }
     if let Some(state @ LinkState::Damaged { .. }) = &health.link {
-        eprintln!("{}", printable(&format!("{name}: {state}")));
+        eprintln!("{begin}{}", printable(&format!("{name}: {state}")));
     }
     Ok(())
 }

@@ -27,7 +27,8 @@ const QUEUE_LEN: usize = 8192;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct RosArgs {
     /// Record everything to one file: raw readings, contacts, wrenches, markers, diagnostics, as
-    /// ROS tools read them; with --sim what really touches, too.
+    /// ROS tools read them; with --sim what really touches, too. Of several limbs a folder, with a file for
+    /// each.
     #[arg(long, value_name = "FILE")]
     pub(super) record: Option<PathBuf>,
     /// Calibration to keep in the recording as it is, a JSON file; that of the bundle or scene if not
@@ -137,6 +138,25 @@ impl RosArgs {
             }),
         };
         Ok(Attached { source, sink, recorder })
+    }
+
+    /// The same for a limb of several, with its own names and recording.
+    pub(super) fn of_limb(&self, prefix: String, frame: String, record: Option<PathBuf>) -> Self {
+        Self { prefix, frame, record, ..self.clone() }
+    }
+
+    /// The first of the options that are one limb's, where there is one.
+    pub(super) fn of_one_limb(&self) -> Option<&'static str> {
+        let usual = RosParams::default();
+        [
+            ("--record-calibration", self.record_calibration.is_some()),
+            ("--truth", self.truth.is_some()),
+            ("--foxglove", self.foxglove.is_some()),
+            ("--prefix", self.prefix != usual.prefix),
+            ("--frame", self.frame != usual.frame_id),
+        ]
+        .into_iter()
+        .find_map(|(option, is_given)| is_given.then_some(option))
     }
 
     /// How messages are named.

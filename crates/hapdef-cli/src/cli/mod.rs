@@ -21,8 +21,12 @@ mod lean;
 mod limits;
 mod live;
 mod live_alert;
+mod live_args;
 mod live_end;
+mod live_limb;
+mod live_model;
 mod live_record;
+mod live_robot;
 mod live_ros;
 mod loads;
 mod manual;
@@ -140,7 +144,7 @@ enum Command {
     /// The live page of the virtual limb as static files, with the whole program in the browser.
     Page(static_page::PageArgs),
     /// Contacts from a stream of frames: a device, a recording.
-    Live(Box<live::LiveArgs>),
+    Live(Box<live_args::LiveArgs>),
     /// The limb's compliance and the simulated rig's response.
     #[command(after_help = "Example:\n  hapdef simulate fixtures/shin/scene.json")]
     Simulate(RunArgs),

@@ -14,6 +14,7 @@ mod live;
 mod live_browser;
 mod live_device;
 mod live_page;
+mod live_robot;
 mod mesh_command;
 mod new_limb;
 mod person;

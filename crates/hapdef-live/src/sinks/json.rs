@@ -19,12 +19,16 @@ const N_QUEUED: usize = 4096;
 /// Writes frames as JSON lines; docs/live.md has the fields.
 pub struct JsonSink<W> {
     out: W,
+    limb: Option<String>,
     line: Vec<u8>,
     n_unflushed: usize,
 }
 
 #[derive(Serialize)]
 struct Line<'a> {
+    /// Which of several limbs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limb: Option<&'a str>,
     seq: u32,
     scan: u8,
     t_device_us: u64,
@@ -89,7 +93,13 @@ struct AlternativeLine {
 impl<W: Write + Send> JsonSink<W> {
     /// A sink that writes to `out`.
     pub fn new(out: W) -> Self {
-        Self { out, line: Vec::with_capacity(4096), n_unflushed: 0 }
+        Self { out, limb: None, line: Vec::with_capacity(4096), n_unflushed: 0 }
+    }
+
+    /// The same for a limb of several, whose lines begin with its name, `"limb"`.
+    #[must_use]
+    pub fn of_limb(self, name: &str) -> Self {
+        Self { limb: Some(name.to_owned()), ..self }
     }
 }
 
@@ -107,7 +117,7 @@ impl<W: Write + Send> Sink for JsonSink<W> {
     }
 
     fn frame(&mut self, frame: &LiveFrame) -> Result<(), AnyError> {
-        json_line(frame, &mut self.line)?;
+        frame_line(self.limb.as_deref(), frame, &mut self.line)?;
         self.out.write_all(&self.line)?;
         self.n_unflushed += 1;
         if self.n_unflushed >= 50 {
@@ -118,7 +128,7 @@ impl<W: Write + Send> Sink for JsonSink<W> {
     }
 
     fn event(&mut self, event: &LiveEvent) -> Result<(), AnyError> {
-        if event_line(event, &mut self.line)? {
+        if event_line(self.limb.as_deref(), event, &mut self.line)? {
             self.out.write_all(&self.line)?;
         }
         Ok(self.out.flush()?)
@@ -134,15 +144,28 @@ impl<W: Write + Send> Sink for JsonSink<W> {
 /// # Errors
 /// None that a frame can cause.
 pub fn json_line(frame: &LiveFrame, line: &mut Vec<u8>) -> Result<(), AnyError> {
+    frame_line(None, frame, line)
+}
+
+/// The same of a limb of several.
+pub(super) fn frame_line(
+    limb: Option<&str>,
+    frame: &LiveFrame,
+    line: &mut Vec<u8>,
+) -> Result<(), AnyError> {
     line.clear();
-    serde_json::to_writer(&mut *line, &Line::of(frame))?;
+    serde_json::to_writer(&mut *line, &Line { limb, ..Line::of(frame) })?;
     line.push(b'\n');
     Ok(())
 }
 
 /// An event in the same way; false for one that has no line.
-pub(super) fn event_line(event: &LiveEvent, line: &mut Vec<u8>) -> Result<bool, AnyError> {
-    let value = match event {
+pub(super) fn event_line(
+    limb: Option<&str>,
+    event: &LiveEvent,
+    line: &mut Vec<u8>,
+) -> Result<bool, AnyError> {
+    let mut value = match event {
         LiveEvent::Hello(hello) => json!({
             "event": "device",
             "n_channels": hello.channels.len(),
@@ -164,6 +187,9 @@ pub(super) fn event_line(event: &LiveEvent, line: &mut Vec<u8>) -> Result<bool, 
         LiveEvent::Health(health) => health_value(health),
         LiveEvent::Status(_) => return Ok(false),
     };
+    if let Some(limb) = limb {
+        value["limb"] = limb.into();
+    }
     line.clear();
     serde_json::to_writer(&mut *line, &value)?;
     line.push(b'\n');
@@ -231,6 +257,7 @@ impl<'a> Line<'a> {
             contacts: other.contacts().map(|(x, force_n)| (x.coords.into(), force_n)).collect(),
         });
         Self {
+            limb: None,
             seq: frame.seq,
             scan: frame.scan,
             t_device_us: frame.t_device_us,

@@ -6,9 +6,9 @@ use std::net::TcpListener;
 use std::os::unix::net::UnixListener;
 #[cfg(unix)]
 use std::path::PathBuf;
-use std::sync::{Arc, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::json::{event_line, json_line};
+use super::json::{event_line, frame_line};
 use crate::error::{AnyError, LiveError};
 use crate::frame::LiveFrame;
 use crate::health::ClientHealth;
@@ -24,13 +24,21 @@ const MAX_CLIENTS: usize = 8;
 const N_QUEUED: usize = 1024;
 
 /// Sends every frame as a line of JSON to all clients. A client that is too slow misses whole lines
-/// and receives their number in an event line; the others miss nothing.
+/// and receives their number in an event line; the others miss nothing. A clone sends to the same clients, for
+/// another limb.
+#[derive(Clone)]
 pub struct JsonServer {
     address: String,
-    listener: Listener,
-    clients: Vec<Client>,
+    hub: Arc<Mutex<Hub>>,
+    limb: Option<String>,
     health: Clients,
     line: Vec<u8>,
+}
+
+/// Whoever listens, for all limbs that are sent.
+struct Hub {
+    listener: Listener,
+    clients: Vec<Client>,
 }
 
 enum Listener {
@@ -57,11 +65,17 @@ impl JsonServer {
         let listener = Listener::bind(address).map_err(refused)?;
         Ok(Self {
             address: listener.address().unwrap_or_else(|| address.to_owned()),
-            listener,
-            clients: Vec::new(),
+            hub: Arc::new(Mutex::new(Hub { listener, clients: Vec::new() })),
+            limb: None,
             health: Clients::default(),
             line: Vec::with_capacity(4096),
         })
+    }
+
+    /// The same for a limb of several, whose lines begin with its name, `"limb"`.
+    #[must_use]
+    pub fn of_limb(self, name: &str) -> Self {
+        Self { limb: Some(name.to_owned()), ..self }
     }
 
     /// Where it listens, with the port that the system gave for port 0.
@@ -70,6 +84,12 @@ impl JsonServer {
         &self.address
     }
 
+    fn hub(&self) -> MutexGuard<'_, Hub> {
+        self.hub.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Hub {
     fn accept(&mut self) {
         while let Some((stream, name)) = self.listener.accept() {
             if self.clients.len() < MAX_CLIENTS {
@@ -84,14 +104,13 @@ impl JsonServer {
     }
 
     /// Publishes the state of the clients for the health line.
-    fn publish_health(&self) {
-        let mut health = self.health.lock().unwrap_or_else(PoisonError::into_inner);
+    fn publish_health(&self, health: &Clients) {
+        let mut health = health.lock().unwrap_or_else(PoisonError::into_inner);
         health.clear();
         health.extend(self.clients.iter().map(|client| client.health.clone()));
     }
 
-    fn send(&mut self) {
-        let line = &self.line;
+    fn send(&mut self, line: &[u8]) {
         self.clients.retain_mut(|client| {
             client.add(line);
             client.send()
@@ -117,21 +136,26 @@ impl Sink for JsonServer {
     }
 
     fn frame(&mut self, frame: &LiveFrame) -> Result<(), AnyError> {
-        self.accept();
-        if self.clients.is_empty() {
-            return Ok(());
+        let has_clients = {
+            let mut hub = self.hub();
+            hub.accept();
+            !hub.clients.is_empty()
+        };
+        if has_clients {
+            frame_line(self.limb.as_deref(), frame, &mut self.line)?;
+            self.hub().send(&self.line);
         }
-        json_line(frame, &mut self.line)?;
-        self.send();
         Ok(())
     }
 
     fn event(&mut self, event: &LiveEvent) -> Result<(), AnyError> {
-        self.accept();
-        if event_line(event, &mut self.line)? {
-            self.send();
+        let has_line = event_line(self.limb.as_deref(), event, &mut self.line)?;
+        let mut hub = self.hub();
+        hub.accept();
+        if has_line {
+            hub.send(&self.line);
         }
-        self.publish_health();
+        hub.publish_health(&self.health);
         Ok(())
     }
 }

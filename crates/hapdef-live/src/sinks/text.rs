@@ -13,6 +13,9 @@ use crate::sink::{Delivery, LiveEvent, Sink, Wants};
 /// Time between two refreshes of the line.
 const REFRESH: Duration = Duration::from_millis(50);
 
+/// Time between two lines of a limb where a person reads those of several.
+const READABLE: Duration = Duration::from_millis(500);
+
 /// Frames that wait for a slow reader of lines.
 const N_QUEUED: usize = 4096;
 
@@ -20,28 +23,59 @@ const N_QUEUED: usize = 4096;
 /// lines of its own.
 pub struct TextSink<W> {
     out: W,
-    is_refreshed: bool,
+    pace: Pace,
+    /// What lines begin with.
+    begin: String,
     line: String,
     /// Letters of the line that is shown.
     n_shown: usize,
     shown: Option<Instant>,
 }
 
+/// Which frames have a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pace {
+    /// The newest, on a line that is refreshed.
+    Refreshed,
+    /// The newest, as often as a person reads on.
+    Readable,
+    /// All.
+    Each,
+}
+
 impl<W: Write + Send> TextSink<W> {
     /// One line that is refreshed 20 times a second, for a terminal.
     pub fn refreshed(out: W) -> Self {
-        Self { out, is_refreshed: true, line: String::with_capacity(256), n_shown: 0, shown: None }
+        Self {
+            out,
+            pace: Pace::Refreshed,
+            begin: String::new(),
+            line: String::with_capacity(256),
+            n_shown: 0,
+            shown: None,
+        }
     }
 
     /// A line a frame, for files and pipes.
     pub fn lines(out: W) -> Self {
-        Self { is_refreshed: false, ..Self::refreshed(out) }
+        Self { pace: Pace::Each, ..Self::refreshed(out) }
+    }
+
+    /// The same for a limb of several, whose lines begin with its name; a terminal gets two lines a second in place
+    /// of one that is refreshed.
+    #[must_use]
+    pub fn of_limb(self, name: &str) -> Self {
+        let pace = match self.pace {
+            Pace::Refreshed => Pace::Readable,
+            pace => pace,
+        };
+        Self { pace, begin: format!("{name}: "), ..self }
     }
 
     /// A line that stays.
     fn say(&mut self, words: std::fmt::Arguments<'_>) -> Result<(), AnyError> {
         self.wipe()?;
-        writeln!(self.out, "{}", printable(&words.to_string()))?;
+        writeln!(self.out, "{}{}", self.begin, printable(&words.to_string()))?;
         Ok(self.out.flush()?)
     }
 
@@ -65,20 +99,30 @@ impl<W: Write + Send> Sink for TextSink<W> {
     }
 
     fn delivery(&self) -> Delivery {
-        if self.is_refreshed { Delivery::Latest } else { Delivery::Queue(N_QUEUED) }
+        if self.pace == Pace::Each { Delivery::Queue(N_QUEUED) } else { Delivery::Latest }
     }
 
     fn frame(&mut self, frame: &LiveFrame) -> Result<(), AnyError> {
+        let least = match self.pace {
+            Pace::Refreshed => REFRESH,
+            Pace::Readable => READABLE,
+            Pace::Each => Duration::ZERO,
+        };
+        if self.shown.is_some_and(|shown| shown.elapsed() < least) {
+            return Ok(());
+        }
         self.line.clear();
+        self.line.push_str(&self.begin);
         in_words(frame, &mut self.line)?;
-        if !self.is_refreshed {
+        if self.pace == Pace::Each {
             writeln!(self.out, "{}", self.line)?;
             return Ok(());
         }
-        if self.shown.is_some_and(|shown| shown.elapsed() < REFRESH) {
-            return Ok(());
-        }
         self.shown = Some(Instant::now());
+        if self.pace == Pace::Readable {
+            writeln!(self.out, "{}", self.line)?;
+            return Ok(self.out.flush()?);
+        }
         let n = self.line.chars().count();
         write!(self.out, "\r{:1$}", self.line, self.n_shown.max(n))?;
         self.n_shown = n;

@@ -10,7 +10,7 @@ use hapdef_inverse::ResponseMap;
 use hapdef_live::Bundle;
 use nalgebra::Point3;
 
-use super::super::live::is_bundle;
+use super::super::files::is_bundle;
 
 /// How far from a gauge a press near it may be, m.
 const NEAR_M: f64 = 0.010;

@@ -22,7 +22,7 @@ use serde_json::Value;
 use self::check::{Check, State};
 use self::expected::Expected;
 use self::press::Known;
-use super::live::is_bundle;
+use super::files::is_bundle;
 use super::record::seconds;
 use super::signals::stop_flag;
 use super::topic::TopicArgs;

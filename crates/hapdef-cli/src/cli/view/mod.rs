@@ -5,6 +5,7 @@ mod first_paint;
 mod opener;
 mod page_session;
 mod picture;
+mod robot_page;
 mod show;
 mod sink;
 mod snapshots;
@@ -32,6 +33,7 @@ use opener::PageOpener;
 pub(crate) use page_session::PageSession;
 use page_session::{Attendant, Pace};
 use picture::Surface;
+pub(crate) use robot_page::RobotPage;
 use show::Show;
 pub(crate) use sink::ViewSink;
 use sink::{Newest, lock};
@@ -44,7 +46,7 @@ const PAGE_IS_READ: &str = "the page is not encrypted: whoever reads on the way 
     everything and can command";
 
 /// The page, and what stands in for a device.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub(crate) struct ViewArgs {
     /// Show the live page; its address is printed. With --sim the limb can be pressed there.
     #[arg(long)]
@@ -81,6 +83,17 @@ pub(crate) struct View {
     snapshots: Snapshots,
     opener: Option<PageOpener>,
     shared: Arc<Shared>,
+    /// What lines on the terminal begin with.
+    begin: String,
+}
+
+/// Where a limb's page is, and what it is of.
+pub(crate) struct Place<'a> {
+    pub(crate) origin: Origin,
+    /// Folder of results.
+    pub(crate) out: &'a Path,
+    /// The robot's page that it is part of, and the limb's name there.
+    pub(crate) robot: Option<(&'a RobotPage, &'a str)>,
 }
 
 /// Where frames come from, and what the page can do with that.
@@ -131,21 +144,46 @@ impl ViewArgs {
     }
 
     /// The page with a scene's limb.
-    pub(crate) fn of_scene(
-        &self,
-        run: &Run,
-        limb: &Limb,
-        origin: Origin,
-        out: &Path,
-    ) -> Result<View> {
-        let picture = picture::of_scene(run, limb)?;
-        View::start(self, picture, (origin, press_offer(&run.scene)), out)
+    pub(crate) fn of_scene(&self, run: &Run, limb: &Limb, place: &Place<'_>) -> Result<View> {
+        View::start(self, picture::of_scene(run, limb)?, press_offer(&run.scene), place)
     }
 
     /// The page with a bundle's skin.
-    pub(crate) fn of_bundle(&self, bundle: &Bundle, origin: Origin, out: &Path) -> Result<View> {
+    pub(crate) fn of_bundle(&self, bundle: &Bundle, place: &Place<'_>) -> Result<View> {
         let press = PressOffer { default_n: 1.0, max_n: 1.0 };
-        View::start(self, picture::of_bundle(bundle), (origin, press), out)
+        View::start(self, picture::of_bundle(bundle), press, place)
+    }
+
+    /// Folder of what the page keeps; each limb of several has its own.
+    fn folder(&self, place: &Place<'_>, scene: &str) -> PathBuf {
+        match (&self.view_out, place.robot) {
+            (Some(folder), None) => folder.clone(),
+            (Some(folder), Some((_, limb))) => folder.join(limb),
+            (None, None) => place.out.join(snapshots::stem(scene)).join("live"),
+            (None, Some((robot, limb))) => place.out.join(robot.name()).join(limb).join("live"),
+        }
+    }
+
+    /// Where it is served.
+    fn params(&self, offers: Offers) -> ViewParams {
+        ViewParams {
+            bind: SocketAddr::from((self.view_bind, self.view_port)),
+            allowed_hosts: self.view_hosts.clone(),
+            token: self.view_token.clone(),
+            offers,
+            ..ViewParams::default()
+        }
+    }
+
+    /// Tells where the page is, and opens it where that is wanted.
+    fn tell(&self, url: &str, folder: &Path) -> Result<Option<PageOpener>> {
+        eprintln!("live page: {url}");
+        let open = |program: &PathBuf| -> Result<PageOpener> {
+            let opener = PageOpener::new(folder, url)?;
+            opener.open_with(program)?;
+            Ok(opener)
+        };
+        self.view_with.as_ref().map(open).transpose()
     }
 }
 
@@ -163,39 +201,36 @@ pub(crate) fn scene_picture(run: &Run, limb: &Limb) -> Result<LimbPicture> {
 impl View {
     fn start(
         args: &ViewArgs,
-        (picture, surface): (LimbPicture, Surface),
-        (origin, press): (Origin, PressOffer),
-        out: &Path,
+        (mut picture, surface): (LimbPicture, Surface),
+        press: PressOffer,
+        place: &Place<'_>,
     ) -> Result<Self> {
-        let params = ViewParams {
-            bind: SocketAddr::from((args.view_bind, args.view_port)),
-            allowed_hosts: args.view_hosts.clone(),
-            token: args.view_token.clone(),
-            offers: Offers {
-                tare: true,
-                record: origin != Origin::Recording,
-                press: (origin == Origin::Sim).then_some(press),
-            },
-            ..ViewParams::default()
+        let origin = place.origin;
+        let offers = Offers {
+            tare: true,
+            record: origin != Origin::Recording,
+            press: (origin == Origin::Sim).then_some(press),
         };
-        let folder = args.view_out.clone();
-        let folder =
-            folder.unwrap_or_else(|| out.join(snapshots::stem(&picture.title)).join("live"));
+        let scene = picture.title.clone();
+        let folder = args.folder(place, &scene);
         let gauges = picture.gauges.iter().map(|site| site.name.clone());
-        let snapshots = Snapshots::new(&folder, &picture.title, gauges.collect());
-        let handle = ViewServer::start(params, picture)?;
+        let snapshots = Snapshots::new(&folder, &scene, gauges.collect());
+        let (handle, opener, begin) = match place.robot {
+            Some((robot, name)) => {
+                name.clone_into(&mut picture.title);
+                (robot.limb(name, offers, picture)?, None, format!("{name}: "))
+            }
+            None => {
+                let handle = ViewServer::start(args.params(offers), picture)?;
+                let opener = args.tell(handle.url(), &folder)?;
+                (handle, opener, String::new())
+            }
+        };
         let shared = Shared::default();
         let device = DeviceState { is_simulated: origin == Origin::Sim, fault: None };
         handle.set_device(&device);
         lock(&shared.newest).device = device;
-        eprintln!("live page: {}", handle.url());
-        let open = |program: &PathBuf| -> Result<PageOpener> {
-            let opener = PageOpener::new(&folder, handle.url())?;
-            opener.open_with(program)?;
-            Ok(opener)
-        };
-        let opener = args.view_with.as_ref().map(open).transpose()?;
-        Ok(Self { handle, surface, snapshots, opener, shared: Arc::new(shared) })
+        Ok(Self { handle, surface, snapshots, opener, shared: Arc::new(shared), begin })
     }
 
     /// Where frames go.
@@ -239,6 +274,7 @@ impl View {
             player,
             first,
             pace: Pace::default(),
+            begin: self.begin,
             _opener: self.opener,
         })
     }

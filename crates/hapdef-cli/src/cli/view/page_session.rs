@@ -48,6 +48,8 @@ pub(super) struct Attendant {
     /// Where the page's first pictures are reported.
     pub(super) first: Option<FirstPaint>,
     pub(super) pace: Pace,
+    /// What lines on the terminal begin with.
+    pub(super) begin: String,
     /// The page's way in for a program that opens it.
     pub(super) _opener: Option<PageOpener>,
 }
@@ -190,7 +192,7 @@ impl Attendant {
     /// Tells the page and the terminal; lost where nobody reads it any more.
     fn say(&self, text: &str) {
         self.handle.say(text);
-        eprintln!("{}", printable(text));
+        eprintln!("{}{}", self.begin, printable(text));
     }
 
     fn obey(&mut self, command: ViewCommand) {

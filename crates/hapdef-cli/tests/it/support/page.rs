@@ -129,10 +129,26 @@ impl Program {
 
     /// A page that was greeted.
     pub fn page(&self) -> Page {
-        let address = format!("127.0.0.1:{}", self.port());
-        let stream = TcpStream::connect(&address).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        let (socket, _) = tungstenite::client(format!("ws://{address}/live"), stream).unwrap();
+        self.page_at("/live")
+    }
+
+    /// The same of one limb of several.
+    pub fn page_of(&self, limb: &str) -> Page {
+        self.page_at(&format!("/limb/{limb}/live"))
+    }
+
+    fn page_at(&self, path: &str) -> Page {
+        let start = Instant::now();
+        let socket = loop {
+            match connect(self.port(), path) {
+                Ok(socket) => break socket,
+                // a limb of several whose scene is being solved
+                Err(503) if start.elapsed() < PATIENCE => {
+                    std::thread::sleep(Duration::from_millis(50));
+                }
+                Err(status) => panic!("{path}: {status}"),
+            }
+        };
         let mut page =
             Page { socket, hello: Value::Null, device: Value::Null, surface: Vec::new() };
         page.say(&json!({"cmd": "hello", "token": TOKEN}));
@@ -152,6 +168,20 @@ impl Program {
         assert_eq!(page.hello["type"], "hello");
         assert_eq!(page.device["type"], "device");
         page
+    }
+}
+
+/// A page's connection; the status where it is refused.
+fn connect(port: u16, path: &str) -> Result<WebSocket<TcpStream>, u16> {
+    let address = format!("127.0.0.1:{port}");
+    let stream = TcpStream::connect(&address).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    match tungstenite::client(format!("ws://{address}{path}"), stream) {
+        Ok((socket, _)) => Ok(socket),
+        Err(tungstenite::HandshakeError::Failure(tungstenite::Error::Http(answer))) => {
+            Err(answer.status().as_u16())
+        }
+        Err(error) => panic!("{error}"),
     }
 }
 
