@@ -13,6 +13,7 @@ use crate::msg::{
     Alternative, Contact, Contacts, DiagnosticArray, DiagnosticStatus, Gauges, Header, KeyValue,
     Status, TfMessage, Time, Transform, TransformStamped, Wrench, WrenchStamped,
 };
+use crate::robot_board::RobotBoard;
 use crate::sink::MessageSink;
 use crate::slots::{Slot, Slots};
 use crate::topics::{RosParams, TopicKind};
@@ -26,6 +27,8 @@ pub struct RosEncoder<S> {
     /// Slots whose last markers show a contact.
     drawn: Vec<bool>,
     next_markers_ns: u64,
+    /// Where the contacts of all limbs are, and this limb's number there.
+    board: Option<(RobotBoard, usize)>,
 }
 
 impl<S: MessageSink> RosEncoder<S> {
@@ -39,7 +42,15 @@ impl<S: MessageSink> RosEncoder<S> {
             params,
             sink,
             next_markers_ns: 0,
+            board: None,
         })
+    }
+
+    /// The same for limb number `limb` of a robot, whose other limbs leave their contacts on the same board: with
+    /// [`RosParams::robot`] the topic of all limbs is said, too, by whichever limb has a reading when it is time.
+    #[must_use]
+    pub fn beside(self, board: RobotBoard, limb: usize) -> Self {
+        Self { board: Some((board, limb)), ..self }
     }
 
     /// A reading, on the topic of gauges.
@@ -63,6 +74,7 @@ impl<S: MessageSink> RosEncoder<S> {
     /// They can't be encoded.
     pub fn contacts(&mut self, stamp_ns: u64, seq: u32, touch: &Touch) -> Result<(), RosError> {
         self.put(TopicKind::Contacts, stamp_ns, |this| this.list(stamp_ns, seq, touch))?;
+        self.of_all(stamp_ns, seq, touch)?;
         self.held(stamp_ns, touch)
     }
 
@@ -107,6 +119,9 @@ impl<S: MessageSink> RosEncoder<S> {
     /// # Errors
     /// It can't be encoded.
     pub fn release(&mut self, stamp_ns: u64) -> Result<(), RosError> {
+        if let Some((board, limb)) = &self.board {
+            board.leave_out(*limb);
+        }
         self.held(stamp_ns, &Touch::default())
     }
 
@@ -150,6 +165,17 @@ impl<S: MessageSink> RosEncoder<S> {
     /// The sink.
     pub fn sink(&mut self) -> &mut S {
         &mut self.sink
+    }
+
+    /// The contacts of all limbs of the robot, where it is one and it is time for them.
+    fn of_all(&mut self, stamp_ns: u64, seq: u32, touch: &Touch) -> Result<(), RosError> {
+        let Some((board, limb)) = &self.board else {
+            return Ok(());
+        };
+        let Some(message) = board.put(*limb, stamp_ns, self.list(stamp_ns, seq, touch)) else {
+            return Ok(());
+        };
+        self.put(TopicKind::RobotContacts(self.params.n_slots), stamp_ns, |_| message)
     }
 
     /// Frames, wrenches and markers of what is held.

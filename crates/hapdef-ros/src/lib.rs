@@ -19,6 +19,7 @@ mod mcap_sink;
 pub mod msg;
 #[cfg(any(test, feature = "zenoh"))]
 mod rmw_names;
+mod robot_board;
 mod schema;
 mod sink;
 mod slots;
@@ -37,6 +38,7 @@ pub use error::RosError;
 pub use foxglove_server::FoxgloveServer;
 pub use input::{Health, Known, Level, Readings};
 pub use mcap_sink::McapSink;
+pub use robot_board::RobotBoard;
 pub use schema::{dds_name, definition, type_hash};
 pub use sink::{MessageSink, Sinks};
 pub use topics::{RosParams, TopicKind, topics};

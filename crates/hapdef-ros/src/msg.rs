@@ -149,6 +149,15 @@ pub struct Contacts {
     pub alternatives: Vec<Alternative>,
 }
 
+/// hapdef_msgs/RobotContacts.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RobotContacts {
+    /// Instant of the newest reading, without a frame.
+    pub header: Header,
+    /// What each limb said last, in its own frame.
+    pub limbs: Vec<Contacts>,
+}
+
 /// hapdef_msgs/Status.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Status {

@@ -34,6 +34,7 @@ const DEFINITIONS: &[(&str, &str)] = definitions![
     "hapdef_msgs" / "Contact",
     "hapdef_msgs" / "Contacts",
     "hapdef_msgs" / "Gauges",
+    "hapdef_msgs" / "RobotContacts",
     "hapdef_msgs" / "Status",
     "sensor_msgs" / "CompressedImage",
     "sensor_msgs" / "JointState",
@@ -72,6 +73,10 @@ const HASHES: &[(&str, &str)] = &[
     (
         "hapdef_msgs/Gauges",
         "RIHS01_93d2b568749a3032576ca46b0266a6e9466d44602210b71590766590695bd031",
+    ),
+    (
+        "hapdef_msgs/RobotContacts",
+        "RIHS01_558a606f4306ca2756b5bba05caef64a646cbc2e881ccc30264a45c4bf9a7919",
     ),
     (
         "hapdef_msgs/Status",

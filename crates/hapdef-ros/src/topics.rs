@@ -26,6 +26,8 @@ pub struct RosParams {
     pub marker_hz: f64,
     /// Length of the arrow of 1 N, m.
     pub arrow_m_per_n: f64,
+    /// Of a robot of several limbs, what the topic of all of them begins with: `/biped`.
+    pub robot: Option<String>,
 }
 
 /// A topic.
@@ -51,6 +53,8 @@ pub enum TopicKind {
     MountWrench,
     /// geometry_msgs/WrenchStamped on `<prefix>/contact_<slot>/wrench`.
     Wrench(usize),
+    /// hapdef_msgs/RobotContacts on `<robot>/contacts`, of all limbs; it comes after so many slots.
+    RobotContacts(usize),
 }
 
 impl Default for RosParams {
@@ -63,6 +67,7 @@ impl Default for RosParams {
             n_slots: 4,
             marker_hz: 30.0,
             arrow_m_per_n: 0.01,
+            robot: None,
         }
     }
 }
@@ -77,6 +82,9 @@ impl RosParams {
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '/';
         if !is_topic_name(&self.prefix) {
             return wrong("prefix", TOPIC_NAME, &self.prefix);
+        }
+        if let Some(robot) = self.robot.as_ref().filter(|robot| !is_topic_name(robot)) {
+            return wrong("robot", TOPIC_NAME, robot);
         }
         if self.frame_id.is_empty() || !self.frame_id.chars().all(is_word) {
             return wrong("frame_id", "letters, digits, _ and /", &self.frame_id);
@@ -119,6 +127,7 @@ impl TopicKind {
     /// The topics, in the order of their numbers.
     pub fn all(params: &RosParams) -> impl Iterator<Item = Self> {
         let wrenches = (0..params.n_slots).map(Self::Wrench);
+        let robot = params.robot.as_ref().map(|_| Self::RobotContacts(params.n_slots));
         [
             Self::Gauges,
             Self::Contacts,
@@ -132,6 +141,7 @@ impl TopicKind {
         ]
         .into_iter()
         .chain(wrenches)
+        .chain(robot)
     }
 
     /// Its number: its place among [`topics`].
@@ -148,6 +158,7 @@ impl TopicKind {
             Self::NetWrench => 7,
             Self::MountWrench => 8,
             Self::Wrench(slot) => 9 + slot,
+            Self::RobotContacts(n_slots) => 9 + n_slots,
         }
     }
 
@@ -166,6 +177,9 @@ impl TopicKind {
             Self::NetWrench => format!("{prefix}/wrench"),
             Self::MountWrench => format!("{prefix}/mount/wrench"),
             Self::Wrench(slot) => format!("{prefix}/contact_{slot}/wrench"),
+            Self::RobotContacts(_) => {
+                format!("{}/contacts", params.robot.as_deref().unwrap_or(prefix))
+            }
         }
     }
 
@@ -180,6 +194,7 @@ impl TopicKind {
             Self::Diagnostics => "diagnostic_msgs/DiagnosticArray",
             Self::Status => "hapdef_msgs/Status",
             Self::NetWrench | Self::MountWrench | Self::Wrench(_) => "geometry_msgs/WrenchStamped",
+            Self::RobotContacts(_) => "hapdef_msgs/RobotContacts",
         }
     }
 }
@@ -217,11 +232,16 @@ mod tests {
 
     #[test]
     fn numbers_are_places() {
-        let params = RosParams::default();
-        for (i, kind) in TopicKind::all(&params).enumerate() {
-            assert_eq!(kind.number(), i);
-            assert!(crate::type_hash(kind.message()).is_some(), "{kind:?}");
+        let of_robot = RosParams { robot: Some("/biped".to_owned()), ..RosParams::default() };
+        for params in [RosParams::default(), of_robot.clone()] {
+            for (i, kind) in TopicKind::all(&params).enumerate() {
+                assert_eq!(kind.number(), i);
+                assert!(crate::type_hash(kind.message()).is_some(), "{kind:?}");
+            }
         }
+        let of_all = topics(&of_robot).unwrap();
+        assert_eq!(of_all.last().unwrap().name, "/biped/contacts");
+        let params = RosParams::default();
         let topics = topics(&params).unwrap();
         assert!(topics.iter().all(|topic| !topic.schema.is_empty()));
         assert_eq!(topics[10].name, "/hapdef/contact_1/wrench");
@@ -236,6 +256,7 @@ mod tests {
         };
         assert!(with(&|p| p.prefix = "hapdef".into()));
         assert!(with(&|p| p.prefix = "/a b".into()));
+        assert!(with(&|p| p.robot = Some("biped".into())));
         assert!(with(&|p| p.frame_id = String::new()));
         assert!(with(&|p| p.n_slots = 17));
         assert!(with(&|p| p.marker_hz = f64::NAN));

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use hapdef::{LimbSource, Robot, RobotLimb};
 use hapdef_cli::shown;
+use hapdef_ros::RobotBoard;
 
 use super::live_args::LiveArgs;
+use super::live_ros::LimbOfRobot;
 use super::topic::TopicArgs;
 
 /// What `hapdef live` does for each limb of a robot; its options are those of all. Makes the folder of recordings.
@@ -23,7 +25,19 @@ pub(super) fn limbs_of(args: &LiveArgs, robot: &Robot) -> Result<Vec<LiveArgs>> 
     if let Some(folder) = &args.ros.record {
         make_folder(folder)?;
     }
-    Ok(robot.limbs.iter().map(|limb| limb_args(args, robot, limb)).collect())
+    let board = RobotBoard::default();
+    let numbered = robot.limbs.iter().enumerate();
+    let limb = |(number, limb): (usize, &RobotLimb)| {
+        let names = LimbOfRobot {
+            prefix: robot.prefix(limb),
+            frame: limb.frame.clone(),
+            robot: format!("/{}", robot.name),
+            board: board.clone(),
+            number,
+        };
+        limb_args(args, limb, names)
+    };
+    Ok(numbered.map(limb).collect())
 }
 
 /// The first of the options that a robot file has in their place.
@@ -66,7 +80,7 @@ fn make_folder(folder: &Path) -> Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("--record {}: making", shown(folder)))
 }
 
-fn limb_args(args: &LiveArgs, robot: &Robot, limb: &RobotLimb) -> LiveArgs {
+fn limb_args(args: &LiveArgs, limb: &RobotLimb, names: LimbOfRobot) -> LiveArgs {
     let mut of_limb = args.clone();
     of_limb.limb = Some(limb.name.clone());
     of_limb.scene.scene = limb.scene.clone();
@@ -77,6 +91,6 @@ fn limb_args(args: &LiveArgs, robot: &Robot, limb: &RobotLimb) -> LiveArgs {
     }
     let file = |folder: &PathBuf| folder.join(format!("{}.mcap", limb.name));
     let record = args.ros.record.as_ref().map(file);
-    of_limb.ros = args.ros.of_limb(robot.prefix(limb), limb.frame.clone(), record);
+    of_limb.ros = args.ros.of_limb(names, record);
     of_limb
 }

@@ -14,7 +14,7 @@ use hapdef_live::{
 };
 use hapdef_rig::live::TruthFrame;
 use hapdef_ros::{
-    Health as Part, Known, Level, MessageSink, Readings, RosEncoder, RosParams, Sinks,
+    Health as Part, Known, Level, MessageSink, Readings, RobotBoard, RosEncoder, RosParams, Sinks,
 };
 
 use super::live_record::LiveRecorder;
@@ -50,6 +50,24 @@ pub(crate) struct RosArgs {
     /// Frame of the limb, that of the link in the robot's tf; its contacts' frames are below it.
     #[arg(long, value_name = "NAME", default_value_t = RosParams::default().frame_id)]
     frame: String,
+    /// The robot that it is a limb of.
+    #[arg(skip)]
+    robot: Option<LimbOfRobot>,
+}
+
+/// What a limb of several has of its own, and in common with the others.
+#[derive(Clone, Debug)]
+pub(super) struct LimbOfRobot {
+    /// Before the names of the limb's topics.
+    pub(super) prefix: String,
+    /// Frame of the limb.
+    pub(super) frame: String,
+    /// Before the names of the robot's topics.
+    pub(super) robot: String,
+    /// Where the contacts of all limbs are.
+    pub(super) board: RobotBoard,
+    /// The limb's number there.
+    pub(super) number: usize,
 }
 
 /// A source that can be recorded on its way, and where what is made of it goes.
@@ -130,7 +148,7 @@ impl RosArgs {
             false => Some(RosSink {
                 name: names.join(", "),
                 limb: params.name(),
-                encoder: RosEncoder::new(params, Sinks(sinks))?,
+                encoder: self.encoder(params, sinks)?,
                 truth,
                 recorder: recorder.clone(),
                 wall_offset_ns: SystemClock.wall_ns().wrapping_sub(SystemClock.now_ns()),
@@ -140,9 +158,10 @@ impl RosArgs {
         Ok(Attached { source, sink, recorder })
     }
 
-    /// The same for a limb of several, with its own names and recording.
-    pub(super) fn of_limb(&self, prefix: String, frame: String, record: Option<PathBuf>) -> Self {
-        Self { prefix, frame, record, ..self.clone() }
+    /// The same for a limb of several, with its own recording.
+    pub(super) fn of_limb(&self, limb: LimbOfRobot, record: Option<PathBuf>) -> Self {
+        let (prefix, frame) = (limb.prefix.clone(), limb.frame.clone());
+        Self { prefix, frame, record, robot: Some(limb), ..self.clone() }
     }
 
     /// The first of the options that are one limb's, where there is one.
@@ -164,10 +183,23 @@ impl RosArgs {
         let params = RosParams {
             prefix: self.prefix.clone(),
             frame_id: self.frame.clone(),
+            robot: self.robot.as_ref().map(|limb| limb.robot.clone()),
             ..RosParams::default()
         };
         params.check().context("--prefix and --frame")?;
         Ok(params)
+    }
+
+    fn encoder(
+        &self,
+        params: RosParams,
+        sinks: Vec<Box<dyn MessageSink>>,
+    ) -> Result<RosEncoder<Sinks>> {
+        let encoder = RosEncoder::new(params, Sinks(sinks))?;
+        Ok(match &self.robot {
+            Some(limb) => encoder.beside(limb.board.clone(), limb.number),
+            None => encoder,
+        })
     }
 
     /// The file that was named, else what is in use.

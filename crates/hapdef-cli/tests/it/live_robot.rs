@@ -67,8 +67,9 @@ fn two_limbs_run_and_no_name_collides() {
     }
     let topics = LIMBS.map(|limb| topics_of(&recordings.join(format!("{limb}.mcap")), limb));
     let shared: Vec<&String> = topics[0].intersection(&topics[1]).collect();
-    let may_be = ["/tf", "/diagnostics"];
+    let may_be = ["/tf", "/diagnostics", "/biped/contacts"];
     assert!(shared.iter().all(|topic| may_be.contains(&topic.as_str())), "{shared:?}");
+    both_are_in_the_robots_contacts(&recordings);
     let again = live(&robot, &words).output().unwrap();
     let said = String::from_utf8_lossy(&again.stderr).into_owned();
     assert!(!again.status.success() && said.contains("left_shin.mcap is there already"), "{said}");
@@ -92,6 +93,29 @@ fn topics_of(recording: &Path, limb: &str) -> BTreeSet<String> {
     assert!(records.damage().is_finished);
     assert!(n_lists > 300, "{n_lists} lists of contacts");
     topics
+}
+
+/// Messages of all limbs have both, in their frames, once both have begun; 100 times a second at most.
+fn both_are_in_the_robots_contacts(recordings: &Path) {
+    let mut stamps_ns = Vec::new();
+    let mut n_both = 0;
+    for limb in LIMBS {
+        let mut records = Recording::open(&recordings.join(format!("{limb}.mcap"))).unwrap();
+        while let Some(record) = records.next_record().unwrap() {
+            if record.topic() != "/biped/contacts" {
+                continue;
+            }
+            let robot = from_cdr::<msg::RobotContacts>(&record.bytes).unwrap();
+            let frames: Vec<&str> =
+                robot.limbs.iter().map(|limb| limb.header.frame_id.as_str()).collect();
+            n_both += usize::from(frames == ["left_shin_link", "right_shin_link"]);
+            stamps_ns.push(record.log_time_ns);
+        }
+    }
+    stamps_ns.sort_unstable();
+    assert!(n_both > 50 && 2 * n_both > stamps_ns.len(), "{n_both} of {}", stamps_ns.len());
+    let is_apart = |pair: &[u64]| pair[1] - pair[0] >= 9_900_000;
+    assert!(stamps_ns.windows(2).all(is_apart), "more than 100 a second");
 }
 
 #[test]

@@ -96,7 +96,7 @@ impl<W: Write + Send> JsonSink<W> {
         Self { out, limb: None, line: Vec::with_capacity(4096), n_unflushed: 0 }
     }
 
-    /// The same for a limb of several, whose lines begin with its name, `"limb"`.
+    /// The same for a limb of several, whose lines have its name as `"limb"`.
     #[must_use]
     pub fn of_limb(self, name: &str) -> Self {
         Self { limb: Some(name.to_owned()), ..self }

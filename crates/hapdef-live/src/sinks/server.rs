@@ -72,7 +72,7 @@ impl JsonServer {
         })
     }
 
-    /// The same for a limb of several, whose lines begin with its name, `"limb"`.
+    /// The same for a limb of several, whose lines have its name as `"limb"`.
     #[must_use]
     pub fn of_limb(self, name: &str) -> Self {
         Self { limb: Some(name.to_owned()), ..self }

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use hapdef_daq::record::Recording;
 use hapdef_daq::{Message, record::Content};
-use hapdef_ros::{RosParams, TopicKind, from_cdr, msg};
+use hapdef_ros::{TopicKind, from_cdr, msg};
 use serde_json::Value;
 
 use read_back::{flat, read_back};
@@ -33,12 +33,13 @@ fn value(topic: TopicKind, bytes: &[u8]) -> Value {
         TopicKind::NetWrench | TopicKind::MountWrench | TopicKind::Wrench(_) => {
             json::<msg::WrenchStamped>(bytes)
         }
+        TopicKind::RobotContacts(_) => json::<msg::RobotContacts>(bytes),
     }
 }
 
 /// The lines that these readers should print of the messages.
 fn lines_of(readers: &[&str], kept: &support::Kept) -> Vec<String> {
-    let params = RosParams::default();
+    let params = support::params();
     let mut lines = Vec::new();
     for (topic, time, bytes) in kept.0.lock().unwrap().iter() {
         let mut values = String::new();
@@ -122,5 +123,5 @@ fn definitions_are_those_of_ros_and_hashes_theirs() {
             n_hashes += 1;
         }
     }
-    assert_eq!((n_hashes, text.lines().count()), (14, 35));
+    assert_eq!((n_hashes, text.lines().count()), (15, 36));
 }

@@ -5,7 +5,7 @@ use crate::support;
 use hapdef_contact::Alternative;
 use hapdef_daq::Message;
 use hapdef_daq::record::{Content, Record, Recording, recover};
-use hapdef_ros::{RosParams, TopicKind, from_cdr, msg, topics};
+use hapdef_ros::{TopicKind, from_cdr, msg, topics};
 use nalgebra::Point3;
 
 use support::damage::flip_amid_a_chunk;
@@ -26,7 +26,7 @@ fn further(records: &[Record]) -> Vec<(&str, u64, &[u8])> {
 }
 
 fn names_of(kept: &Kept) -> Vec<(String, u64, Vec<u8>)> {
-    let params = RosParams::default();
+    let params = support::params();
     let kept = kept.0.lock().unwrap();
     kept.iter().map(|(topic, time, bytes)| (topic.name(&params), *time, bytes.clone())).collect()
 }
@@ -90,7 +90,7 @@ fn the_file_says_how_its_messages_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("press.mcap");
     recorded(&path, 50);
-    let known = topics(&RosParams::default()).unwrap();
+    let known = topics(&support::params()).unwrap();
     for record in records(&path) {
         if let Content::Further(topic) = record.content {
             assert!(known.contains(&topic), "{topic:?}");

@@ -19,8 +19,8 @@ use hapdef_daq::record::{RecordInfo, RecordParams, record};
 use hapdef_daq::source::ReplaySource;
 use hapdef_daq::{AcquireParams, Frame, Message, acquire};
 use hapdef_ros::{
-    Health, Known, Level, McapSink, MessageSink, Readings, RosEncoder, RosParams, Sinks, TopicKind,
-    topics,
+    Health, Known, Level, McapSink, MessageSink, Readings, RobotBoard, RosEncoder, RosParams,
+    Sinks, TopicKind, topics,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -146,9 +146,14 @@ pub fn say(encoder: &mut RosEncoder<impl MessageSink>, i: u32, stamp_ns: u64) {
     }
 }
 
+/// How the recorded messages are named: those of a robot's limb.
+pub fn params() -> RosParams {
+    RosParams { robot: Some("/robot".to_owned()), ..RosParams::default() }
+}
+
 /// Records `n` readings with all their messages to one file; returns the messages, too.
 pub fn recorded(path: &Path, n: u32) -> (RecordInfo, Kept) {
-    let params = RosParams::default();
+    let params = params();
     let hello = Hello::plain(10, SampleFormat::I16, 1000);
     let frames = (0..n).map(|i| {
         let samples = (0..10).map(|k| (1000.0 * number(u64::from(i * 10 + k))) as i32);
@@ -173,7 +178,8 @@ pub fn recorded(path: &Path, n: u32) -> (RecordInfo, Kept) {
     let kept = Kept::default();
     let writer = recorder.topics();
     let sinks = Sinks(vec![Box::new(McapSink::new(writer.clone())), Box::new(kept.clone())]);
-    let mut encoder = RosEncoder::new(params, sinks).unwrap();
+    let encoder = RosEncoder::new(params, sinks).unwrap();
+    let mut encoder = encoder.beside(RobotBoard::default(), 0);
     for i in 0..n {
         say(&mut encoder, i, writer.wall_ns(u64::from(i) * 1_000_000));
         if i % 200 == 199 {
