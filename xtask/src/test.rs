@@ -12,10 +12,11 @@ use crate::{browser, metrics, python};
 
 /// Modules of the crates' integration tests that claim how soon something happens, how much arrives in
 /// time or how much memory the process takes: they run one after the other, with nothing beside them.
-const TIMED: [&str; 15] = [
+const TIMED: [&str; 16] = [
     "feed::",
     "live_browser::",
     "live_ports::",
+    "live_robot::",
     "person::",
     "player::",
     "realtime::",

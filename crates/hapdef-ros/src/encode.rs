@@ -119,10 +119,15 @@ impl<S: MessageSink> RosEncoder<S> {
     /// # Errors
     /// It can't be encoded.
     pub fn release(&mut self, stamp_ns: u64) -> Result<(), RosError> {
+        self.leave();
+        self.held(stamp_ns, &Touch::default())
+    }
+
+    /// The limb says no more for now: what is said of all limbs goes on without it.
+    pub fn leave(&self) {
         if let Some((board, limb)) = &self.board {
             board.leave_out(*limb);
         }
-        self.held(stamp_ns, &Touch::default())
     }
 
     /// What is known to touch at that reading, from a simulated rig.

@@ -11,7 +11,7 @@ use hapdef_live::sinks::JsonServer;
 use super::files::is_bundle;
 use super::lean::start_lean;
 use super::live_args::LiveArgs;
-use super::live_limb::{Beside, RunningLimb};
+use super::live_limb::{Beside, RunningLimb, StoppedLimb};
 use super::live_model::Model;
 use super::live_robot::limbs_of;
 use super::network::{IS_READ, check_reach};
@@ -94,15 +94,16 @@ fn wait(limbs: &mut [RunningLimb], seconds: Option<f64>, stop: &AtomicBool) {
     }
 }
 
-/// Ends all limbs; the first fault of one is the program's, the others are told.
+/// Ends all limbs at once, then their recordings; the first fault of one is the program's, the others are told.
 fn end(running: Vec<RunningLimb>, limbs: &[LiveArgs]) -> Result<()> {
-    let ended = limbs.iter().zip(running).map(|(limb, running)| limb.named(running.end()));
-    ended.fold(Ok(()), |before, now| match (before, now) {
-        (Err(first), Err(next)) => {
-            eprintln!("error: {}", error_text(next.as_ref()));
-            Err(first)
+    let stopped: Vec<StoppedLimb> = running.into_iter().map(RunningLimb::stop).collect();
+    let mut first = Ok(());
+    for (limb, stopped) in limbs.iter().zip(stopped) {
+        let ended = limb.named(stopped.end());
+        if let (Err(_), Err(further)) = (&first, &ended) {
+            eprintln!("error: {}", error_text(further.as_ref()));
         }
-        (Ok(()), now) => now,
-        (before, Ok(())) => before,
-    })
+        first = first.and(ended);
+    }
+    first
 }

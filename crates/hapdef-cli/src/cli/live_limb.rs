@@ -6,7 +6,7 @@ use anyhow::Result;
 use hapdef_cli::{JsonLines, StandardLines, StandardOutput};
 use hapdef_contact::printable;
 use hapdef_live::sinks::{AlertSink, CsvSink, JsonServer, JsonSink, TextSink};
-use hapdef_live::{Live, LiveBuilder};
+use hapdef_live::{Health, Live, LiveBuilder, LiveError};
 
 use super::files::new_file;
 use super::live_args::LiveArgs;
@@ -23,6 +23,13 @@ pub(super) struct RunningLimb {
     recorder: Option<LiveRecorder>,
     page: Option<PageSession>,
     is_failure_told: bool,
+}
+
+/// A limb whose runtime has ended.
+pub(super) struct StoppedLimb {
+    begin: String,
+    health: Result<Health, LiveError>,
+    recorder: Option<LiveRecorder>,
 }
 
 /// What a limb is given beside its arguments.
@@ -73,10 +80,17 @@ impl RunningLimb {
         }
     }
 
-    /// Ends it and says how it was.
-    pub(super) fn end(self) -> Result<()> {
+    /// Ends the runtime; what was recorded is still to be written.
+    pub(super) fn stop(self) -> StoppedLimb {
         drop(self.page);
-        let health = self.live.stop()?;
+        StoppedLimb { begin: self.begin, health: self.live.stop(), recorder: self.recorder }
+    }
+}
+
+impl StoppedLimb {
+    /// Ends the recording and says how it was.
+    pub(super) fn end(self) -> Result<()> {
+        let health = self.health?;
         let recorded = self.recorder.map_or(Ok(None), |recorder| recorder.finish())?;
         if let Some(recorded) = recorded {
             eprintln!("{}{}", self.begin, printable(&recorded));

@@ -331,6 +331,7 @@ impl Sink for RosSink {
     }
 
     fn finish(&mut self) -> Result<(), AnyError> {
+        self.encoder.leave();
         if let Some(truth) = &mut self.truth {
             truth.look(&mut put_truth(&mut self.encoder))?;
         }

@@ -133,29 +133,43 @@ fn lines_of_words_begin_with_the_limb() {
 }
 
 #[test]
-fn clients_get_the_lines_of_both() {
+fn clients_get_the_lines_of_both_and_ctrl_c_ends_both() {
     let folder = tempfile::tempdir().unwrap();
     let robot = robot_with(folder.path(), |_| {});
-    let mut child = live(&robot, &["--serve", "tcp:127.0.0.1:0", "--seconds", "30"])
+    let recordings = folder.path().join("recordings");
+    let record = recordings.to_str().unwrap();
+    let mut child = live(&robot, &["--serve", "tcp:127.0.0.1:0", "--record", record])
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let mut said = BufReader::new(child.stderr.take().unwrap()).lines();
-    let address =
-        said.find_map(|line| Some(line.ok()?.strip_prefix("JSON lines at tcp:")?.to_owned()));
+    let mut said = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+    let address = said.find_map(|line| Some(line.strip_prefix("JSON lines at tcp:")?.to_owned()));
     let stream = TcpStream::connect(address.unwrap()).unwrap();
     let mut limbs = BTreeSet::new();
     for line in BufReader::new(stream).lines().take(2000) {
         let line: Value = serde_json::from_str(&line.unwrap()).unwrap();
-        limbs.insert(line["limb"].as_str().unwrap().to_owned());
+        let limb = line["limb"].as_str().unwrap().to_owned();
+        if line.get("seq").is_some() {
+            limbs.insert(limb);
+        }
         if limbs.len() == LIMBS.len() {
             break;
         }
     }
-    child.kill().unwrap();
-    child.wait().unwrap();
     assert_eq!(limbs.into_iter().collect::<Vec<_>>(), LIMBS);
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let rest: Vec<String> = said.collect();
+    assert!(child.wait().unwrap().success(), "{rest:?}");
+    for limb in LIMBS {
+        let is_told =
+            |line: &String| line.starts_with(&format!("{limb}: ")) && line.contains(" frames, ");
+        assert!(rest.iter().any(is_told), "{rest:?}");
+        let mut records = Recording::open(&recordings.join(format!("{limb}.mcap"))).unwrap();
+        while records.next_record().unwrap().is_some() {}
+        assert!(records.damage().is_finished, "{limb}");
+    }
 }
 
 #[test]
