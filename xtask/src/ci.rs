@@ -66,12 +66,11 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
         },
     )?;
     steps.run("tests that claim a time", || tests.timed())?;
-    let with_features = || run(&mut tests_of_features(&[&["--"], &LEFT_OUT[..]].concat()));
-    steps.run("tests of optional features", with_features)?;
     steps.run("soak --short", || soak::of_ci(true))?;
     steps.run("demo --live", first_minute::check)?;
     let commands = &docs::Commands::of_docs()?;
     let (tables_ended, wait) = mpsc::channel::<()>();
+    let with_features = || run(&mut tests_of_features(&[&["--"], &LEFT_OUT[..]].concat()));
     beside(
         || {
             // Some pages show what is made of the tables' stages: dropped, ended well or not, it lets them go.
@@ -81,6 +80,8 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
             steps.run("commands of the docs", || commands.run())
         },
         move || {
+            steps.run("tests of optional features", with_features)?;
+            steps.run("trust --short", || soak::trust_of_ci(true))?;
             steps.run("verification table", verify::check)?;
             steps.run("robustness tables", robustness::check)?;
             steps.run("limits page", frontier::check)?;
@@ -97,6 +98,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
     if is_nightly {
         steps.run("each crate alone", crates_alone)?;
         steps.run("soak", || soak::of_ci(false))?;
+        steps.run("trust", || soak::trust_of_ci(false))?;
         steps.run("fuzz", fuzz::nightly)?;
         steps.run("scenes at random", robustness::nightly)?;
     }

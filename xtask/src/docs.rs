@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 use anyhow::{Context, Error, Result, bail};
+use serde_json::{Value, json};
 
 use crate::browser;
 use crate::tool::{root, run};
@@ -15,7 +16,7 @@ use crate::tool::{root, run};
 /// Commands that a step of its own runs.
 const LEFT_OUT: [&str; 2] = ["cargo xtask test", "cargo xtask repro --quick --tables"];
 
-/// Commands that take long as they are shown, and what is run in their place.
+/// Commands that take long as they are shown, and what is run in their place; some on [`COARSE`].
 const SMALLER: [(&str, &str); 13] = [
     ("cargo xtask bench nets", "cargo xtask bench nets -- --skip-trained --rounds 2"),
     (
@@ -26,15 +27,15 @@ const SMALLER: [(&str, &str); 13] = [
     ("cargo xtask bench view", "cargo xtask bench view -- --seconds 2"),
     (
         "cargo xtask compare -- --diagnose",
-        "cargo xtask compare --quick -- --without-paper --own-gauges --frames 10 --scripts 10 --presses 300 --diagnose",
+        "cargo xtask compare --quick --scene target/docs/coarse.json -- --without-paper --own-gauges --frames 10 --scripts 10 --presses 300 --diagnose",
     ),
     (
         "cargo xtask compare -- --without-paper --loads",
-        "cargo xtask compare --quick -- --without-paper --own-gauges --loads --frames 4 --presses 300",
+        "cargo xtask compare --quick --scene target/docs/coarse.json -- --without-paper --own-gauges --loads --frames 4 --presses 300",
     ),
     (
         "cargo xtask frontier inverse",
-        "cargo xtask frontier inverse -- --without-paper --frames 10 --presses 300",
+        "cargo xtask frontier inverse --scene target/docs/coarse.json -- --without-paper --frames 10 --presses 300",
     ),
     ("cargo xtask bench inverse", "cargo xtask bench inverse -- --scripts 2 --pairs 10"),
     (
@@ -54,6 +55,10 @@ const SMALLER: [(&str, &str); 13] = [
     ),
     ("cargo xtask pictures", "cargo xtask pictures report shin-rigidity --into target/pictures"),
 ];
+
+/// The bundled limb with its gauges placed, whose rig and map have the limb's own elements: solving finer ones
+/// would take most of a comparison of few frames, and its figures are not looked at here.
+const COARSE: &str = "target/docs/coarse.json";
 
 /// Words that begin a command.
 const PROGRAMS: [&str; 8] =
@@ -96,6 +101,7 @@ impl Commands {
         if texts.iter().all(|text| commands(text).is_empty()) {
             bail!("the docs show no command: expected ```sh blocks in README.md and docs/");
         }
+        write_coarse_scene()?;
         let has_browser = browser::wish()? != "skip";
         Ok(Self { pages: Mutex::new(pages.into()), lines: Mutex::default(), has_browser })
     }
@@ -134,6 +140,20 @@ impl Commands {
         eprintln!("   {:.1} s  {line}", start.elapsed().as_secs_f64());
         Ok(())
     }
+}
+
+/// Writes [`COARSE`].
+fn write_coarse_scene() -> Result<()> {
+    let bundled = root().join("fixtures/shin");
+    let mut scene: Value = serde_json::from_str(&read(&bundled.join("placed.json"))?)?;
+    let deck = bundled.join(scene["geometry"]["solid_deck"].as_str().context("solid_deck")?);
+    scene["name"] = "shin-coarse".into();
+    scene["geometry"]["solid_deck"] = json!(deck);
+    scene["rig"]["mesh"] = json!({"kind": "deck", "solid_deck": deck, "refinements": 0});
+    scene["estimator"]["map_refinements"] = 0.into();
+    let path = root().join(COARSE);
+    fs::create_dir_all(path.parent().context("a folder")?)?;
+    fs::write(&path, scene.to_string()).with_context(|| path.display().to_string())
 }
 
 /// README.md and the pages of docs/.

@@ -4,6 +4,7 @@
 use std::path::Path;
 use std::sync::{Arc, mpsc::channel};
 
+use hapdef::scene::{ContactRegion, RigMesh};
 use hapdef::touch::{
     BundleRequest, EstimatorKind, SearchPlace, Touch, TouchEstimator, make_bundle, touch_estimator,
 };
@@ -31,6 +32,15 @@ fn brief() -> Profile {
         sensitivity: few(quick.sensitivity),
         ..quick
     }
+}
+
+/// Contacts on a part of the skin, and a rig of the limb's own elements.
+fn on_a_part(run: &mut Run) {
+    if let ContactRegion::Radial { axial_range_m, .. } = &mut run.scene.contact.region {
+        *axial_range_m = [0.09, 0.12];
+    }
+    let solid_deck = run.scene.geometry.shape.file().to_owned();
+    run.scene.rig.mesh = RigMesh::Deck { solid_deck, refinements: 0 };
 }
 
 /// HELLO and frames of presses at some nodes of the skin.
@@ -88,7 +98,8 @@ fn found(bundle: &Bundle, estimator: Box<dyn TouchEstimator>) -> Vec<Touch> {
 fn a_bundles_nets_are_the_scenes() {
     let out = tempfile::tempdir().unwrap();
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/scene.json");
-    let run = Run::new(&scene, brief(), out.path(), 2, Progress::silent()).unwrap();
+    let mut run = Run::new(&scene, brief(), out.path(), 2, Progress::silent()).unwrap();
+    on_a_part(&mut run);
     let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
     let whole = touch_estimator(&run, &limb).unwrap();
     assert_eq!(whole.name(), "hapdefx");

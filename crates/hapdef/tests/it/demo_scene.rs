@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use hapdef::stages::real_limb;
 use hapdef::touch::{Touch, touch_estimator};
 use hapdef::{Limb, Profile, Progress, Run};
+use hapdef_rig::RealLimb;
 
 /// Nodes between two presses, a prime to the number around the limb, and the force, N.
-const STRIDE: usize = 37;
+const STRIDE: usize = 97;
 const FORCE_N: f64 = 15.0;
 
 fn fixture(name: &str) -> PathBuf {
@@ -18,7 +19,12 @@ fn fixture(name: &str) -> PathBuf {
 /// one contact where they are, which the computed response does not do.
 #[test]
 fn presses_of_the_rig_are_one_contact_each_with_the_calibration() {
-    let [demo, placed] = ["demo.json", "placed.json"].map(found);
+    let out = tempfile::tempdir().unwrap();
+    let [demo, placed] = ["demo.json", "placed.json"].map(|scene| opened(scene, out.path()));
+    let specs = [&demo, &placed].map(|(run, _)| serde_json::to_value(&run.scene.rig).unwrap());
+    assert_eq!(specs[0], specs[1], "one rig stands for both scenes");
+    let real = real_limb(&demo.0, &demo.1, &demo.1.sites).unwrap();
+    let [demo, placed] = [demo, placed].map(|(run, limb)| found(&run, &limb, &real));
     assert!(demo.right > 0.97, "{demo:?}");
     assert!(demo.median_mm < 0.6, "{demo:?}");
     assert!(placed.right < demo.right, "{placed:?}");
@@ -34,13 +40,14 @@ struct Found {
     median_mm: f64,
 }
 
-fn found(scene: &str) -> Found {
-    let out = tempfile::tempdir().unwrap();
-    let path = fixture(scene);
-    let run = Run::new(&path, Profile::quick(), out.path(), 2, Progress::silent()).unwrap();
+fn opened(scene: &str, out: &Path) -> (Run, Limb) {
+    let run = Run::new(&fixture(scene), Profile::quick(), out, 2, Progress::silent()).unwrap();
     let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
-    let real = real_limb(&run, &limb, &limb.sites).unwrap();
-    let mut estimator = touch_estimator(&run, &limb).unwrap();
+    (run, limb)
+}
+
+fn found(run: &Run, limb: &Limb, real: &RealLimb) -> Found {
+    let mut estimator = touch_estimator(run, limb).unwrap();
     let (mut touch, mut n_one, mut misses_mm) = (Touch::default(), 0, Vec::new());
     let points = limb.surface_points();
     for node in (0..points.len()).step_by(STRIDE) {

@@ -40,7 +40,7 @@ fn pressed(folder: &Path) -> Pressed {
 #[test]
 fn contacts_are_found_again_after_known_touches() {
     let out = tempfile::tempdir().unwrap();
-    let rows = study::study(&fixture("demo.json"), out.path(), 120).unwrap();
+    let rows = study::study(&fixture("demo.json"), out.path(), 60).unwrap();
     rows.iter().for_each(|row| println!("{row}"));
     let row = |name: &str| rows.iter().find(|row| row.name == name).unwrap();
     let off_mm = |name: &str| row(name).scores[0].median_mm;

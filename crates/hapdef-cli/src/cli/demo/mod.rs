@@ -90,6 +90,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
         elapsed_s: start.elapsed().as_secs_f64(),
     };
     let page = page::write(args, &run, &limb, &calibrated.estimator, &found)?;
+    let picture_s = start.elapsed().as_secs_f64();
     drop(stages);
     if args.json {
         return Ok(print_json(&found, true)?);
@@ -100,6 +101,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
     println!("next: {}", page::live_command(args));
     let context = MetricContext::here(run.scene.seed);
     let mut log = MetricLog::new(StandardOutput, context);
+    log.value("first.picture_s", picture_s, "s")?;
     Ok(log.value("first.demo_s", start.elapsed().as_secs_f64(), "s")?)
 }
 
