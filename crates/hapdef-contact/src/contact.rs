@@ -12,6 +12,8 @@ pub struct Contact {
     pub position_m: Point3<f64>,
     /// Its normal force, N.
     pub force_n: f64,
+    /// Its radius, where it is found to be wider than the tip that the estimator expects.
+    pub radius: Option<ContactRadius>,
     /// Direction of the force on the limb, unit length, where the estimator knows the skin.
     pub direction: Option<Vector3<f64>>,
     /// Its name, never given twice, where the estimator follows contacts from frame to frame.
@@ -20,6 +22,15 @@ pub struct Contact {
     pub phase: Option<Phase>,
     /// How sure it is, where that was asked for and the estimator can tell.
     pub uncertainty: Option<Uncertainty>,
+}
+
+/// How wide a contact is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactRadius {
+    /// Radius of the round tip whose pressure at distance d goes with (1 − (d/r)²)², m.
+    pub radius_m: f64,
+    /// Its standard deviation, m; none where it is the narrowest or the widest that was tried.
+    pub sd_m: Option<f64>,
 }
 
 /// A normal force on a surface node, as samples and presses are drawn.
@@ -40,7 +51,15 @@ impl Contact {
     /// A contact of which nothing else is known.
     #[must_use]
     pub const fn new(position_m: Point3<f64>, force_n: f64) -> Self {
-        Self { position_m, force_n, direction: None, id: None, phase: None, uncertainty: None }
+        Self {
+            position_m,
+            force_n,
+            radius: None,
+            direction: None,
+            id: None,
+            phase: None,
+            uncertainty: None,
+        }
     }
 
     /// Unit normal of the skin there, outwards: where the force comes from.

@@ -21,7 +21,7 @@ mod touch;
 mod uncertainty;
 mod wrench;
 
-pub use contact::{Contact, DrawnContact};
+pub use contact::{Contact, ContactRadius, DrawnContact};
 pub use limb_load::LimbLoad;
 pub use printable::{printable, printable_lines};
 pub use state::{GaugeHealth, Phase, TouchPhase, UnknownReason, Verdict, WhyNot};

@@ -51,7 +51,7 @@ pub use effort::Effort;
 pub use error::InverseError;
 pub use estimator::{
     BELIEVED_OF_RANGE, CHI2_95, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams,
-    EstimatorScratch, IfTwo, LocatedContact, RunnerUp, SeenForces, ShearContact,
+    EstimatorScratch, IfTwo, LocatedContact, RunnerUp, SeenForces, ShearContact, WideParams,
 };
 pub use hapdef_contact::{GaugeHealth, MAX_CONTACTS, Phase, TouchPhase, Verdict, WhyNot};
 pub use limits::{

@@ -82,7 +82,10 @@ fn in_words(touch: &Touch) -> String {
         let sure = contact.uncertainty.map_or(String::new(), |u| {
             format!(" (±{:.2} mm, ±{:.2} N)", u.position_sd_m() * 1e3, u.force_sd_n())
         });
-        format!("{:.2} N at ({x:.2}, {y:.2}, {z:.2}) mm{sure}", contact.force_n)
+        let wide = contact.radius.map_or(String::new(), |radius| {
+            format!(", wide: a radius of {:.0} mm", radius.radius_m * 1e3)
+        });
+        format!("{:.2} N at ({x:.2}, {y:.2}, {z:.2}) mm{sure}{wide}", contact.force_n)
     });
     let doubt = match touch.quality {
         Some(quality) if !quality.is_identified() => "; the frame does not decide",
@@ -96,6 +99,8 @@ fn as_json(frame: usize, touch: &Touch) -> Value {
         json!({
             "position_m": <[f64; 3]>::from(contact.position_m.coords),
             "force_n": contact.force_n,
+            "radius_m": contact.radius.map(|radius| radius.radius_m),
+            "radius_sd_m": contact.radius.and_then(|radius| radius.sd_m),
             "position_sd_m": contact.uncertainty.map(|u| u.position_sd_m()),
             "force_sd_n": contact.uncertainty.map(|u| u.force_sd_n()),
         })

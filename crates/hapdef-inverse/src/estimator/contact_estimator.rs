@@ -6,6 +6,7 @@ use crate::chi_square::upper_tail;
 use crate::error::InverseError;
 use crate::estimator::effective_rank::effective_rank;
 use crate::estimator::explanation::Explanation;
+use crate::estimator::wide::Wide;
 use crate::estimator::{EstimatorParams, EstimatorScratch, Model};
 use crate::noise::NoiseParams;
 use crate::other_loads::OtherLoads;
@@ -20,6 +21,8 @@ pub struct ContactEstimator {
     pub(crate) params: EstimatorParams,
     /// Directions in which contacts move the readings beyond the noise.
     pub(crate) effective_rank: usize,
+    /// One contact on maps of wider tips; none where none are looked for.
+    pub(crate) wide: Wide,
 }
 
 impl ContactEstimator {
@@ -35,7 +38,11 @@ impl ContactEstimator {
     ) -> Result<Self, InverseError> {
         params.check()?;
         let live = vec![true; map.n_gauges()];
-        Self::with_gauges(map, sites, noise, params, &live)
+        let mut estimator = Self::with_gauges(map, sites, noise, params, &live)?;
+        if let Some(wide) = &params.wide {
+            estimator.wide = Wide::new(&estimator, wide)?;
+        }
+        Ok(estimator)
     }
 
     /// The same estimator with only the gauges of `live` `[n_gauges]`: readings of the others are
@@ -44,8 +51,7 @@ impl ContactEstimator {
     /// # Errors
     /// [`InverseError::TooFewGauges`] with fewer than three alive; [`InverseError::Length`].
     pub fn masked(&self, live: &[bool]) -> Result<Self, InverseError> {
-        let (map, sites) = (self.model.map.clone(), self.model.sites.clone());
-        Self::with_gauges(map, sites, self.noise.clone(), self.params, live)
+        self.changed(self.noise.clone(), live, |wide| wide.masked(live))
     }
 
     /// Standard deviation of each gauge's noise `[n_gauges]`, in the unit of the map, without what its
@@ -60,9 +66,8 @@ impl ContactEstimator {
     /// # Errors
     /// [`InverseError`] for a wrong length or a value that is not above 0.
     pub fn with_gauge_sd(&self, gauge_sd: &[f64]) -> Result<Self, InverseError> {
-        let (map, sites) = (self.model.map.clone(), self.model.sites.clone());
         let noise = NoiseParams { gauge_sd: gauge_sd.to_vec(), ..self.noise.clone() };
-        Self::with_gauges(map, sites, noise, self.params, &self.live())
+        self.changed(noise, &self.live(), |wide| wide.with_gauge_sd(gauge_sd))
     }
 
     /// The same estimator on a limb with such loads that are no contacts.
@@ -70,9 +75,8 @@ impl ContactEstimator {
     /// # Errors
     /// [`InverseError`] for loads of another number of gauges or values that are not finite.
     pub fn with_loads(&self, loads: OtherLoads) -> Result<Self, InverseError> {
-        let (map, sites) = (self.model.map.clone(), self.model.sites.clone());
-        let noise = NoiseParams { loads, ..self.noise.clone() };
-        Self::with_gauges(map, sites, noise, self.params, &self.live())
+        let noise = NoiseParams { loads: loads.clone(), ..self.noise.clone() };
+        self.changed(noise, &self.live(), |wide| wide.with_loads(loads.clone()))
     }
 
     /// Which gauges count `[n_gauges]`.
@@ -84,6 +88,24 @@ impl ContactEstimator {
     #[must_use]
     pub fn loads(&self) -> &OtherLoads {
         &self.noise.loads
+    }
+
+    /// The same estimator on another map, wider tips left out.
+    pub(crate) fn on_map(&self, map: Arc<ResponseMap>) -> Result<Self, InverseError> {
+        let sites = self.model.sites.clone();
+        Self::with_gauges(map, sites, self.noise.clone(), self.params, &self.live())
+    }
+
+    /// The same estimator with other noise and gauges, on maps of wider tips, too.
+    fn changed(
+        &self,
+        noise: NoiseParams,
+        live: &[bool],
+        wide: impl Fn(&Self) -> Result<Self, InverseError>,
+    ) -> Result<Self, InverseError> {
+        let (map, sites) = (self.model.map.clone(), self.model.sites.clone());
+        let estimator = Self::with_gauges(map, sites, noise, self.params, live)?;
+        Ok(Self { wide: self.wide.changed(wide)?, ..estimator })
     }
 
     fn with_gauges(
@@ -101,6 +123,7 @@ impl ContactEstimator {
             model,
             noise,
             params,
+            wide: Wide::default(),
         };
         if estimator.most_contacts() > 1 {
             // now, not in the first frame that asks for pairs

@@ -24,7 +24,7 @@ impl ContactEstimator {
     }
 
     /// The same into `estimate`, without allocating once `scratch` and `estimate` have been used
-    /// for such a frame. A scratch of another estimator is replaced.
+    /// for such a frame, unless wide contacts are looked for. A scratch of another estimator is replaced.
     ///
     /// # Errors
     /// As [`ContactEstimator::estimate`].
@@ -42,7 +42,7 @@ impl ContactEstimator {
             self.find(scratch, &mut info);
         }
         report(self, readings, &untouched, scratch, &mut info, estimate);
-        Ok(())
+        self.wide.improve(readings, self.params.settle_p, estimate)
     }
 
     /// Contacts that start at `points` and only move downhill: no scan, no count. For following

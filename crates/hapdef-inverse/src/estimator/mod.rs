@@ -23,6 +23,7 @@ mod search;
 mod seen;
 mod shared;
 mod shear;
+mod wide;
 
 pub use contact_estimator::ContactEstimator;
 pub(crate) use hapdef_contact::MAX_CONTACTS;
@@ -33,6 +34,7 @@ pub use params::{BELIEVED_OF_RANGE, EstimatorParams};
 pub use scratch::EstimatorScratch;
 pub use seen::SeenForces;
 pub(crate) use seen::needed_chi2;
+pub use wide::WideParams;
 
 pub(crate) use explanation::Explanation;
 pub(crate) use forces::non_negative;

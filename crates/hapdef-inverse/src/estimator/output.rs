@@ -1,6 +1,6 @@
 //! What is known after a frame, and what is not.
 
-use hapdef_contact::{Contact, MAX_CONTACTS, Uncertainty, Verdict};
+use hapdef_contact::{Contact, ContactRadius, MAX_CONTACTS, Uncertainty, Verdict};
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
 use crate::skin::Skin;
@@ -23,6 +23,8 @@ pub struct LocatedContact {
     /// Covariance of (position along tangent 1, along tangent 2, force), m and N; the tangents are
     /// [`crate::Skin::tangents`] at `point`.
     pub covariance: Matrix3<f64>,
+    /// Its radius, where it is wider than the map's tip and such contacts were looked for.
+    pub radius: Option<ContactRadius>,
 }
 
 impl LocatedContact {
@@ -38,6 +40,7 @@ impl LocatedContact {
             force_n,
             force_vector_n: -skin.normal(&point) * force_n,
             covariance,
+            radius: None,
         }
     }
 
@@ -45,6 +48,7 @@ impl LocatedContact {
     #[must_use]
     pub fn contact(&self, skin: &Skin, with_uncertainty: bool) -> Contact {
         Contact {
+            radius: self.radius,
             direction: Some(-skin.normal(&self.point)),
             uncertainty: with_uncertainty.then(|| Uncertainty {
                 tangents: skin.tangents(&self.point),

@@ -2,6 +2,7 @@
 
 use crate::effort::Effort;
 use crate::error::{InverseError, check_not_negative, check_positive};
+use crate::estimator::wide::WideParams;
 
 /// Explanations with a force beyond so many times the strongest that touches are expected to have are not believed: a
 /// contact of where the map is uncertain would else explain anything with it.
@@ -68,6 +69,8 @@ pub struct EstimatorParams {
     pub runner_up_delta: f64,
     /// Different explanations within this of the best tie with it.
     pub tie_delta: f64,
+    /// One contact wider than the map's tip is looked for where narrow ones leave a doubt; none if absent.
+    pub wide: Option<WideParams>,
     /// Contacts are believed if fewer of them with more noise than was assumed are worse by this in
     /// −2 ln evidence; −∞ trusts the noise.
     pub noise_delta: f64,
@@ -132,6 +135,7 @@ impl EstimatorParams {
             runner_up_delta: 9.0,
             tie_delta: 1.0,
             noise_delta: 6.0,
+            wide: None,
         };
         usual.searched_with(effort)
     }
@@ -189,6 +193,7 @@ impl EstimatorParams {
         ] {
             check_positive(what, n as f64)?;
         }
+        self.wide.as_ref().map_or(Ok(()), WideParams::check)?;
         check_positive("max_step_m", self.max_step_m)?;
         check_positive("force_scale_n", self.force_scale_n)?;
         check_positive("distinct_m", self.distinct_m)?;

@@ -20,4 +20,5 @@ mod search;
 mod stability;
 mod tracking;
 mod tracking_allocations;
+mod wide;
 mod world;

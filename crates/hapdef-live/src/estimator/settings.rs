@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use hapdef_inverse::{
-    ContactEstimator, EstimatorParams, ModelError, NoiseParams, ResponseMap, ScanSites,
+    ContactEstimator, EstimatorParams, ModelError, NoiseParams, ResponseMap, ScanSites, WideParams,
 };
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +26,12 @@ pub struct SuperpositionSettings {
     /// older bundles.
     #[serde(default)]
     pub tip_ring_m: f64,
+    /// Radius of the tip that is in the map, m; 0 in older bundles.
+    #[serde(default)]
+    pub tip_radius_m: f64,
+    /// Radius of the widest contact that is looked for, m; 0 for none wider than the tip, as in older bundles.
+    #[serde(default)]
+    pub palm_radius_m: f64,
     /// Sites of the scan.
     pub n_sites: usize,
     /// Contacts at a time at most.
@@ -59,6 +65,7 @@ impl SuperpositionSettings {
         let params = EstimatorParams {
             max_contacts: self.max_contacts,
             max_force_n: self.max_force_n,
+            wide: WideParams::up_to(self.palm_radius_m, self.tip_radius_m),
             ..EstimatorParams::default()
         };
         Ok(ContactEstimator::new(map, sites, noise, params)?)

@@ -60,6 +60,10 @@ struct ContactLine {
     position_m: [f64; 3],
     direction: Option<[f64; 3]>,
     force_n: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    radius_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    radius_sd_m: Option<f64>,
     position_sd_m: Option<f64>,
     force_sd_n: Option<f64>,
 }
@@ -310,6 +314,8 @@ impl ContactLine {
             position_m: contact.position_m.coords.into(),
             direction: contact.direction.map(Into::into),
             force_n: contact.force_n,
+            radius_m: contact.radius.map(|radius| radius.radius_m),
+            radius_sd_m: contact.radius.and_then(|radius| radius.sd_m),
             position_sd_m: sure.map(|sure| sure.position_sd_m()),
             force_sd_n: sure.map(|sure| sure.force_sd_n()),
         }

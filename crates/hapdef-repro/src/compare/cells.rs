@@ -209,6 +209,14 @@ impl<'a> Drawn<'a> {
         self.apart(n, 1, 0.0, 11)
     }
 
+    /// Single contacts of one force under one tip.
+    pub(crate) fn alike(&self, n: usize, force_n: f64, tip_m: f64) -> Result<Vec<Frame>> {
+        const ROW: u64 = 24;
+        let forces = [[force_n, force_n]; 4];
+        let drawn = sets(&mut self.draw(ROW), n, 1, forces, [0.0, f64::MAX], 0.0);
+        self.world.frames(drawn, tip_m, ROW)
+    }
+
     /// `k` contacts of 5 N to the strongest, `gap_m` apart.
     pub(crate) fn apart(&self, n: usize, k: usize, gap_m: f64, row: u64) -> Result<Vec<Frame>> {
         let forces = [[LEAST_N, self.scene.contact.force_range_n[1]]; 4];

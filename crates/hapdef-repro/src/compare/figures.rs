@@ -4,6 +4,7 @@ use hapdef_bench::stats::{mean, quantile};
 use hapdef_bench::{Column, Figure, Goal, Measurements, Metric, Wanted, or_dash};
 use serde::Serialize;
 
+use super::palm::Palms;
 use super::score::Row;
 
 const FEW_SINGLE: &str = "single, 300 presses";
@@ -17,6 +18,7 @@ const MANY: &str = "single, many frames";
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Measured {
     pub(super) rows: Vec<Row>,
+    pub(super) palms: Option<Palms>,
     pub(super) bound_ratio: Option<f64>,
     /// Relative errors of the maps at presses they were not calibrated with: with all presses,
     /// 300, and none.
@@ -53,7 +55,7 @@ pub(super) const COLUMNS: [Column<Row>; 15] = [
 ];
 
 /// What is printed as METRIC lines.
-pub(super) const METRICS: [Metric<Measured>; 19] = [
+pub(super) const METRICS: [Metric<Measured>; 21] = [
     Metric::row("compare.single_mean_mm", "mm", "single", |r: &Row| r.errors.mean_mm),
     Metric::row("compare.single_median_mm", "mm", "single", |r: &Row| r.errors.median_mm),
     Metric::row("compare.single_mean_n", "N", "single", |r: &Row| r.errors.mean_n),
@@ -84,12 +86,19 @@ pub(super) const METRICS: [Metric<Measured>; 19] = [
         |m| m.bound_ratio,
         "at no contact does the noise's bound exceed the map's error",
     ),
+    Metric::all("compare.palm_clean_pct", "%", palm_clean_pct, "not measured"),
+    Metric::all(
+        "compare.palm_radius_error_mm",
+        "mm",
+        |m| m.palms.as_ref().map(|palms| palms.radius_error_mm),
+        "not measured",
+    ),
     Metric::all("compare.double_vs_paper", "1", double_vs_paper, "--without-paper"),
     Metric::all("compare.time_vs_paper", "1", time_vs_paper, "--without-paper"),
 ];
 
 /// What the figures should be.
-pub(super) const GOALS: [Goal<Measured>; 27] = [
+pub(super) const GOALS: [Goal<Measured>; 28] = [
     at_most("single", "one contact, mean, mm", 0.3, |r| r.errors.mean_mm),
     at_most("single", "one contact, median, mm", 0.15, |r| r.errors.median_mm),
     at_most("single", "one contact, mean, N", 0.35, |r| r.errors.mean_n),
@@ -114,6 +123,11 @@ pub(super) const GOALS: [Goal<Measured>; 27] = [
     calibrated("double", "two, in 95 % regions, %"),
     calibrated(FEW_SINGLE, "one, 300 presses, in 95 % regions, %"),
     calibrated(FEW_DOUBLE, "two, 300 presses, in 95 % regions, %"),
+    Goal {
+        what: "a palm of 20 mm radius is one contact within 3 mm and 10 % of its force, %",
+        wanted: Wanted::AtLeast(95.0),
+        figure: Figure::All(palm_clean_pct),
+    },
     Goal {
         what: "error over the noise's bound, where that exceeds the map's error",
         wanted: Wanted::AtMost(1.5),
@@ -159,6 +173,10 @@ const fn calibrated(row: &'static str, what: &'static str) -> Goal<Measured> {
 
 fn coverage95_pct(row: &Row) -> f64 {
     row.coverage95_pct.unwrap_or(f64::NAN)
+}
+
+fn palm_clean_pct(measured: &Measured) -> Option<f64> {
+    measured.palms.as_ref().map(|palms| palms.clean_pct)
 }
 
 /// The paper's better row on two contacts, from readings.

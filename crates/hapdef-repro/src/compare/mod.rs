@@ -9,6 +9,7 @@ mod diagnose;
 mod figures;
 pub(crate) mod frontier;
 mod loads;
+mod palm;
 pub(crate) mod paper;
 pub(crate) mod rig;
 mod run;

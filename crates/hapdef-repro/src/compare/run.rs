@@ -37,6 +37,9 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let estimator = many.estimator(params)?;
     measured.bound_ratio = many.bound_ratio(&estimator, &singles)?;
     arrivals::add(&bench, &estimator, &mut measured)?;
+    let (palms, rows) = bench.palms()?;
+    measured.palms = Some(palms);
+    measured.rows.extend(rows);
     for case in bench.possible(&CASES_OF_MORE_GAUGES) {
         measured.rows.push(bench.found(case, |_, _, _, _| Ok(()))?.row(case.name));
     }

@@ -66,6 +66,7 @@ fn check_estimator(estimator: &EstimatorSpec) -> Checked {
             not_negative("estimator.map_error", spec.map_error)?;
             not_negative("estimator.friction", spec.friction)?;
             not_negative("estimator.widest_tip_m", spec.widest_tip_m)?;
+            not_negative("estimator.palm_radius_m", spec.palm_radius_m)?;
             require(
                 spec.map_refinements <= 2,
                 "estimator.map_refinements",

@@ -43,6 +43,11 @@ pub struct SuperpositionSpec {
     /// Radius of the widest tip that touches, m; none wider than `contact.tip_radius_m` if that is more.
     #[serde(skip_serializing_if = "is_default")]
     pub widest_tip_m: f64,
+    /// Radius of the widest contact that is looked for where narrow ones leave a doubt, such as a palm's 0.02, m;
+    /// none wider than `contact.tip_radius_m` if that is more. In single frames: contacts that are followed are
+    /// narrow.
+    #[serde(skip_serializing_if = "is_default")]
+    pub palm_radius_m: f64,
     /// What `hapdef calibrate` wrote, relative to the scene file: the map and its error come from
     /// there, and nothing is solved.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -67,6 +72,7 @@ impl Default for SuperpositionSpec {
             map_refinements: 0,
             friction: 0.0,
             widest_tip_m: 0.0,
+            palm_radius_m: 0.0,
             calibration: None,
             n_sites: 800,
         }

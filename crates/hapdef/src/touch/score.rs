@@ -140,14 +140,7 @@ mod tests {
             touch: &mut Touch,
         ) -> Result<(), LiveError> {
             let at = frame.readings_ue;
-            let contact = Contact {
-                position_m: Point3::new(at[0], at[1], at[2]),
-                force_n: 5.0,
-                direction: None,
-                id: None,
-                phase: None,
-                uncertainty: None,
-            };
+            let contact = Contact::new(Point3::new(at[0], at[1], at[2]), 5.0);
             touch.contacts = if at[0] < 0.0 { Vec::new() } else { vec![contact] };
             Ok(())
         }

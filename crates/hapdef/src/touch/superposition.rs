@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use hapdef_inverse::{BELIEVED_OF_RANGE, EstimatorParams, ResponseMap, tip_ring_m};
+use hapdef_inverse::{BELIEVED_OF_RANGE, EstimatorParams, ResponseMap, WideParams, tip_ring_m};
 pub(super) use hapdef_live::estimator::friction_rms;
 use hapdef_live::estimator::{Superposition, SuperpositionSettings};
 
@@ -32,6 +32,8 @@ pub fn estimator_settings(scene: &Scene, spec: &SuperpositionSpec) -> Superposit
         place_factor: 1.0,
         friction: spec.friction,
         tip_ring_m: tip_ring_m(spec.widest_tip_m, scene.contact.tip_radius_m),
+        tip_radius_m: scene.contact.tip_radius_m,
+        palm_radius_m: spec.palm_radius_m,
         n_sites: spec.n_sites,
         max_contacts: params.max_contacts,
         max_force_n: params.max_force_n,
@@ -46,6 +48,10 @@ pub fn estimator_params(scene: &Scene) -> EstimatorParams {
     EstimatorParams {
         max_contacts: scene.contact.max_contacts,
         max_force_n: BELIEVED_OF_RANGE * scene.contact.force_range_n[1],
+        wide: WideParams::up_to(
+            scene.estimator.superposition().palm_radius_m,
+            scene.contact.tip_radius_m,
+        ),
         ..EstimatorParams::default()
     }
 }

@@ -30,6 +30,8 @@ pub fn settings() -> SuperpositionSettings {
         map_error: 0.0,
         place_factor: 1.0,
         tip_ring_m: 0.0,
+        tip_radius_m: 0.0,
+        palm_radius_m: 0.0,
         friction: 0.0,
         n_sites: 400,
         max_contacts: 3,
