@@ -58,6 +58,12 @@ impl PyContact {
         Some(one(py, direction.as_slice().to_vec()))
     }
 
+    /// Its radius, m, where it is found to be wider than the map's tip.
+    #[getter]
+    fn radius_m(&self) -> Option<f64> {
+        self.contact.radius.map(|radius| radius.radius_m)
+    }
+
     /// Its name, never given twice, where contacts are followed.
     #[getter]
     fn id(&self) -> Option<u64> {

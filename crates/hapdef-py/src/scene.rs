@@ -168,7 +168,7 @@ impl PyScene {
     }
 
     /// The same scene, its contacts found by superposition, with these settings in place of its own.
-    #[pyo3(signature = (*, noise_ue = None, map_error = None, map_refinements = None, friction = None, widest_tip_m = None, n_sites = None, calibration = None))]
+    #[pyo3(signature = (*, noise_ue = None, map_error = None, map_refinements = None, friction = None, widest_tip_m = None, palm_radius_m = None, n_sites = None, calibration = None))]
     #[expect(clippy::too_many_arguments, reason = "named in Python")]
     fn with_superposition(
         &self,
@@ -177,6 +177,7 @@ impl PyScene {
         map_refinements: Option<u32>,
         friction: Option<f64>,
         widest_tip_m: Option<f64>,
+        palm_radius_m: Option<f64>,
         n_sites: Option<usize>,
         calibration: Option<PathBuf>,
     ) -> PyResult<Self> {
@@ -189,6 +190,7 @@ impl PyScene {
             map_refinements: map_refinements.unwrap_or(own.map_refinements),
             friction: friction.unwrap_or(own.friction),
             widest_tip_m: widest_tip_m.unwrap_or(own.widest_tip_m),
+            palm_radius_m: palm_radius_m.unwrap_or(own.palm_radius_m),
             calibration: calibration.or(own.calibration),
             n_sites: n_sites.unwrap_or(own.n_sites),
         };

@@ -6,7 +6,6 @@ use crate::chi_square::upper_tail;
 use crate::error::InverseError;
 use crate::estimator::effective_rank::effective_rank;
 use crate::estimator::explanation::Explanation;
-use crate::estimator::wide::Wide;
 use crate::estimator::{EstimatorParams, EstimatorScratch, Model};
 use crate::noise::NoiseParams;
 use crate::other_loads::OtherLoads;
@@ -22,7 +21,14 @@ pub struct ContactEstimator {
     /// Directions in which contacts move the readings beyond the noise.
     pub(crate) effective_rank: usize,
     /// One contact on maps of wider tips; none where none are looked for.
-    pub(crate) wide: Wide,
+    pub(crate) wide: Vec<OfRadius>,
+}
+
+/// What looks for one contact of a radius.
+#[derive(Clone, Debug)]
+pub(crate) struct OfRadius {
+    pub(crate) radius_m: f64,
+    pub(crate) estimator: ContactEstimator,
 }
 
 impl ContactEstimator {
@@ -38,11 +44,11 @@ impl ContactEstimator {
     ) -> Result<Self, InverseError> {
         params.check()?;
         let live = vec![true; map.n_gauges()];
-        let mut estimator = Self::with_gauges(map, sites, noise, params, &live)?;
-        if let Some(wide) = &params.wide {
-            estimator.wide = Wide::new(&estimator, wide)?;
+        let estimator = Self::with_gauges(map, sites, noise, params, &live)?;
+        match &params.wide {
+            Some(wide) => estimator.widened(wide),
+            None => Ok(estimator),
         }
-        Ok(estimator)
     }
 
     /// The same estimator with only the gauges of `live` `[n_gauges]`: readings of the others are
@@ -105,7 +111,11 @@ impl ContactEstimator {
     ) -> Result<Self, InverseError> {
         let (map, sites) = (self.model.map.clone(), self.model.sites.clone());
         let estimator = Self::with_gauges(map, sites, noise, self.params, live)?;
-        Ok(Self { wide: self.wide.changed(wide)?, ..estimator })
+        let changed = self
+            .wide
+            .iter()
+            .map(|of| Ok(OfRadius { radius_m: of.radius_m, estimator: wide(&of.estimator)? }));
+        Ok(Self { wide: changed.collect::<Result<_, InverseError>>()?, ..estimator })
     }
 
     fn with_gauges(
@@ -123,7 +133,7 @@ impl ContactEstimator {
             model,
             noise,
             params,
-            wide: Wide::default(),
+            wide: Vec::new(),
         };
         if estimator.most_contacts() > 1 {
             // now, not in the first frame that asks for pairs

@@ -42,7 +42,7 @@ impl ContactEstimator {
             self.find(scratch, &mut info);
         }
         report(self, readings, &untouched, scratch, &mut info, estimate);
-        self.wide.improve(readings, self.params.settle_p, estimate)
+        self.improve_by_wide(readings, estimate)
     }
 
     /// Contacts that start at `points` and only move downhill: no scan, no count. For following

@@ -24,6 +24,7 @@ mod seen;
 mod shared;
 mod shear;
 mod wide;
+mod wide_params;
 
 pub use contact_estimator::ContactEstimator;
 pub(crate) use hapdef_contact::MAX_CONTACTS;
@@ -34,7 +35,7 @@ pub use params::{BELIEVED_OF_RANGE, EstimatorParams};
 pub use scratch::EstimatorScratch;
 pub use seen::SeenForces;
 pub(crate) use seen::needed_chi2;
-pub use wide::WideParams;
+pub use wide_params::WideParams;
 
 pub(crate) use explanation::Explanation;
 pub(crate) use forces::non_negative;

@@ -2,7 +2,7 @@
 
 use crate::effort::Effort;
 use crate::error::{InverseError, check_not_negative, check_positive};
-use crate::estimator::wide::WideParams;
+use crate::estimator::wide_params::WideParams;
 
 /// Explanations with a force beyond so many times the strongest that touches are expected to have are not believed: a
 /// contact of where the map is uncertain would else explain anything with it.

@@ -89,6 +89,7 @@ class Scene:
         map_refinements: Optional[int] = None,
         friction: Optional[float] = None,
         widest_tip_m: Optional[float] = None,
+        palm_radius_m: Optional[float] = None,
         n_sites: Optional[int] = None,
         calibration: Optional[_Path] = None,
     ) -> "Scene":
@@ -99,6 +100,7 @@ class Scene:
         map_refinements: of the mesh from which a calibration starts.
         friction: largest friction coefficient of what touches.
         widest_tip_m: radius of the widest tip that touches; the scene's tip_radius_m is the map's.
+        palm_radius_m: radius of the widest contact that is looked for, in single frames; 0 for none.
         calibration: file that a calibration wrote.
         """
     def place(
@@ -397,6 +399,9 @@ class Contact:
     def id(self) -> Optional[int]: ...
     @property
     def phase(self) -> Optional[Literal["born", "held", "sliding"]]: ...
+    @property
+    def radius_m(self) -> Optional[float]:
+        """Where the contact is found to be wider than the map's tip."""
     @property
     def position_sd_m(self) -> Optional[float]: ...
     @property
