@@ -96,6 +96,13 @@ impl ContactEstimator {
         &self.noise.loads
     }
 
+    /// The same estimator for narrow contacts alone.
+    pub(crate) fn without_wide(mut self) -> Self {
+        self.params.wide = None;
+        self.wide.clear();
+        self
+    }
+
     /// The same estimator on another map, wider tips left out.
     pub(crate) fn on_map(&self, map: Arc<ResponseMap>) -> Result<Self, InverseError> {
         let sites = self.model.sites.clone();

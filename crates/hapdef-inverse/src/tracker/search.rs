@@ -42,9 +42,10 @@ pub struct Searcher {
 }
 
 impl Searcher {
-    /// Searches from scratch with `estimator`.
+    /// Searches from scratch with `estimator`, for narrow contacts alone: a tracker could not follow a wide one.
     #[must_use]
     pub fn new(estimator: ContactEstimator) -> Self {
+        let estimator = estimator.without_wide();
         Self { scratch: estimator.scratch(), estimator, work: None }
     }
 

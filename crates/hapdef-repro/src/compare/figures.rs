@@ -55,7 +55,7 @@ pub(super) const COLUMNS: [Column<Row>; 15] = [
 ];
 
 /// What is printed as METRIC lines.
-pub(super) const METRICS: [Metric<Measured>; 21] = [
+pub(super) const METRICS: [Metric<Measured>; 22] = [
     Metric::row("compare.single_mean_mm", "mm", "single", |r: &Row| r.errors.mean_mm),
     Metric::row("compare.single_median_mm", "mm", "single", |r: &Row| r.errors.median_mm),
     Metric::row("compare.single_mean_n", "N", "single", |r: &Row| r.errors.mean_n),
@@ -87,6 +87,12 @@ pub(super) const METRICS: [Metric<Measured>; 21] = [
         "at no contact does the noise's bound exceed the map's error",
     ),
     Metric::all("compare.palm_clean_pct", "%", palm_clean_pct, "not measured"),
+    Metric::all(
+        "compare.palm_by_narrow_clean_pct",
+        "%",
+        |m| m.palms.as_ref().map(|palms| palms.narrow_clean_pct),
+        "not measured",
+    ),
     Metric::all(
         "compare.palm_radius_error_mm",
         "mm",
