@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use hapdef_inverse::{
     ContactEstimator, EstimatorParams, InverseError, LocatedContact, NoiseParams, ResponseMap,
-    ResponseParams, SkinPoint, WideParams,
+    ResponseParams, SearchOutcome, SearchRequest, Searcher, SkinPoint, TrackerParams, WideParams,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -84,6 +84,31 @@ fn narrow_contacts_stay_what_they_are() {
             assert_eq!(found.contacts, alone.contacts);
         }
     }
+}
+
+/// What searches beside a tracker gives narrow contacts alone, however wide its estimator looks: no hypothesis of a
+/// tracker has a radius.
+#[test]
+fn a_trackers_searches_find_narrow_contacts_alone() {
+    let world = World::new(10, 800, 1);
+    let (wide, narrow) = (estimator(&world, 0.02), estimator(&world, 0.0));
+    let palm = under_tip(&world, 0.0185);
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let mut n_wide = 0;
+    for point in world.draw_points(10, 0.0, &mut rng) {
+        let y = readings(&palm, &point, &mut rng);
+        n_wide += usize::from(wide.estimate(&y).unwrap().contacts[0].radius.is_some());
+        let expected = narrow.estimate(&y).unwrap().contacts;
+        let live = [true; 10];
+        let request = SearchRequest { frame: 1, readings: &y, live: &live, belief: None };
+        let for_tracker = Searcher::for_tracker(wide.clone(), TrackerParams::default()).unwrap();
+        for mut searcher in [Searcher::new(wide.clone()), for_tracker] {
+            let mut outcome = SearchOutcome::default();
+            searcher.search(&request, &mut outcome).unwrap();
+            assert_eq!(outcome.estimate.contacts, expected);
+        }
+    }
+    assert!(n_wide >= 9, "{n_wide} of 10 palms have a radius");
 }
 
 /// A gauge that is left out, other noise and loads count on the wide maps, too.
