@@ -1,5 +1,7 @@
 //! Every unit, integration and documentation test, once.
 
+mod programs;
+
 use std::path::PathBuf;
 use std::process::Command;
 use std::thread;
@@ -7,8 +9,9 @@ use std::time::Instant;
 
 use anyhow::{Result, bail};
 
-use crate::tool::{cargo, results, run, run_quietly, target_dir};
+use crate::tool::{cargo, results, target_dir};
 use crate::{browser, metrics, python};
+use programs::Program;
 
 /// Modules of the crates' integration tests that claim how soon something happens, how much arrives in
 /// time or how much memory the process takes: they run one after the other, with nothing beside them.
@@ -42,6 +45,7 @@ const READERS: [&str; 4] = ["mcap", "mcap-ros2-support", "rosbags", "rerun-sdk"]
 
 /// The tests, built, and what they find on this machine.
 pub(crate) struct Tests {
+    programs: Vec<Program>,
     /// What `HAPDEF_BROWSER` says.
     browser: &'static str,
     /// A Python that has [`READERS`].
@@ -70,44 +74,41 @@ impl Tests {
     pub(crate) fn build(is_long: bool) -> Result<Self> {
         thread::scope(|scope| {
             let found = scope.spawn(|| Ok((browser::wish()?, readers()?)));
-            let built = run(&mut cargo(&with_targets(&["--no-run"])));
+            let built = programs::build();
             let found = found.join().unwrap_or_else(|_| bail!("panicked"));
-            built?;
+            let programs = built?;
             let (browser, python) = found?;
-            Ok(Self { browser, python, is_long })
+            Ok(Self { programs, browser, python, is_long })
         })
     }
 
-    /// Everything that claims no time: integration tests, and beside them, since they seldom fill both cores,
-    /// unit tests and the examples of the documentation.
+    /// Everything that claims no time: integration tests, unit tests and the examples of the documentation. Two
+    /// programs at a time, since few fill both cores.
     pub(crate) fn untimed(&self) -> Result<()> {
-        thread::scope(|scope| {
-            let others = scope.spawn(|| self.units_and_examples());
-            let mut command = integration();
-            command.args(TIMED.iter().flat_map(|module| ["--skip", module]));
-            let integration = run(self.with_environment(&mut command));
-            let others = others.join().unwrap_or_else(|_| bail!("panicked"));
-            integration.and(others)
-        })
-    }
-
-    fn units_and_examples(&self) -> Result<()> {
-        for targets in [&["--lib", "--bins"][..], &["--doc"]] {
-            let mut command = cargo(&["test", "--release", "--no-fail-fast"]);
-            run_quietly(self.with_environment(command.args(targets)))?;
-            println!("cargo test {}: ok", targets.join(" "));
-        }
-        Ok(())
+        let skips: Vec<&str> = TIMED.iter().flat_map(|module| ["--skip", *module]).collect();
+        let words = |program: &Program| if program.is_integration { &skips[..] } else { &[] };
+        let mut commands: Vec<_> =
+            self.programs.iter().map(|program| self.named(program, words(program))).collect();
+        let examples = self.with_environment(cargo(&["test", "--release", "--doc"]));
+        commands.push(("examples of the documentation".to_owned(), examples));
+        programs::run(commands, 2)
     }
 
     /// The integration tests that want the machine for themselves.
     pub(crate) fn timed(&self) -> Result<()> {
-        let mut command = integration();
-        run(self.with_environment(command.args(TIMED).args(["--test-threads", "1"])))
+        let words = [&TIMED[..], &["--test-threads", "1"]].concat();
+        let programs = self.programs.iter().filter(|program| program.is_integration);
+        programs::run(programs.map(|program| self.named(program, &words)).collect(), 1)
+    }
+
+    fn named(&self, program: &Program, words: &[&str]) -> (String, Command) {
+        let mut command = program.command();
+        command.args(words);
+        (program.to_string(), self.with_environment(command))
     }
 
     /// Says in a command's environment what the tests find and how long they take.
-    fn with_environment<'a>(&self, command: &'a mut Command) -> &'a mut Command {
+    fn with_environment(&self, mut command: Command) -> Command {
         if std::env::var_os("PROPTEST_RNG_SEED").is_none() && !self.is_long {
             command.env("PROPTEST_RNG_SEED", PROPTEST_SEED);
         }
@@ -117,18 +118,9 @@ impl Tests {
         if let Some(python) = &self.python {
             command.env("HAPDEF_PYTHON", python);
         }
-        command.env("HAPDEF_BROWSER", self.browser)
+        command.env("HAPDEF_BROWSER", self.browser);
+        command
     }
-}
-
-/// No example is linked that no test starts.
-fn with_targets<'a>(words: &[&'a str]) -> Vec<&'a str> {
-    [&["test", "--release", "--lib", "--bins", "--test", "it"], words].concat()
-}
-
-/// Every crate's one program of integration tests; what is added goes to it.
-fn integration() -> Command {
-    cargo(&["test", "--release", "--no-fail-fast", "--test", "it", "--"])
 }
 
 /// A Python with the readers; without Python, or outside CI without a network, it says so.

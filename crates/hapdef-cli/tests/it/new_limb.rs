@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use serde_json::{Value, json};
 
 use crate::shell_limb_common::{bottle, fixture};
-use crate::support::{shared, surface};
+use crate::support::{is_long_run, shared, surface};
 
 /// Simulated presses that correct the response, and how far single ones may be off then, the median, m.
 const N_PRESSES: &str = "300";
@@ -192,8 +192,7 @@ fn what_is_no_limb_is_refused() {
 
 #[test]
 fn robots_limbs_become_limbs() {
-    if std::env::var_os("HAPDEF_SOAK").is_none() {
-        println!("skipped: a long run has it (HAPDEF_SOAK=1)");
+    if !is_long_run() {
         return;
     }
     // hyq's skin has edges of 9.6 mm, too long for a millimetre, and alexander's takes minutes to solve

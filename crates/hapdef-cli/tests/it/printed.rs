@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 
 use crate::recording_commands::made;
 use crate::shell_limb_common::tube;
+use crate::support::page::scene as coarse_scene;
 
 /// In a name or text: clears a terminal, begins a line, turns the writing.
 const HOSTILE: &str = "a\x1b[2J\nerror: all is lost \u{9b}31m\u{202e}";
@@ -299,11 +300,11 @@ fn a_disk_that_is_full_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     made(folder, 100);
-    let skin = shin("shin_skin.glb");
+    let (skin, scene) = (shin("shin_skin.glb"), coarse_scene(folder));
     for words in [
         &["inspect", skin.to_str().unwrap()][..],
         &["export", "made.mcap", "--csv"],
-        &["live", shin("placed.json").to_str().unwrap(), "--sim", "--seconds", "0.5"],
+        &["live", scene.to_str().unwrap(), "--sim", "--seconds", "0.5"],
         &["completions", "bash"],
     ] {
         let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();

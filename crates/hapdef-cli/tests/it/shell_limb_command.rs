@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use hapdef_mesh::write_glb;
 use shell_limb_common::{fixture, tube};
 
-use crate::support::{shared, surface};
+use crate::support::{is_long_run, shared, surface};
 
 fn hapdef(words: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hapdef")).arg("shell").args(words).output().unwrap()
@@ -149,6 +149,9 @@ fn kinova_forearm_runs_through() {
 
 #[test]
 fn alexander_shin_runs_through() {
+    if !is_long_run() {
+        return;
+    }
     runs_through("alexander_left_shin.glb");
 }
 

@@ -16,3 +16,12 @@ pub use shared_files::shared;
 pub fn surface(path: &Path) -> SurfaceMesh {
     read_gltf(path, &GltfParams::default()).unwrap().mesh
 }
+
+/// Whether this is a long run (HAPDEF_SOAK=1); else it says what is skipped.
+pub fn is_long_run() -> bool {
+    let is_long = std::env::var_os("HAPDEF_SOAK").is_some();
+    if !is_long {
+        println!("skipped: a long run has it (HAPDEF_SOAK=1)");
+    }
+    is_long
+}
