@@ -15,6 +15,7 @@ mod normal_equations;
 mod output;
 mod pairs;
 mod params;
+mod radius;
 mod refine;
 mod report;
 mod scan;

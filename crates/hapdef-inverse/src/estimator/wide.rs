@@ -9,6 +9,7 @@ use crate::basis;
 use crate::error::InverseError;
 use crate::estimator::contact_estimator::OfRadius;
 use crate::estimator::output::ContactEstimate;
+use crate::estimator::radius::{Bracket, Tried};
 use crate::estimator::{ContactEstimator, EstimatorParams, WideParams};
 use crate::response::{ResponseMap, ResponseParams};
 use crate::skin_point::SkinPoint;
@@ -48,24 +49,19 @@ impl ContactEstimator {
         if self.wide.is_empty() || is_one || estimate.verdict == Verdict::Untouched {
             return Ok(());
         }
-        let found = self.wide.iter().map(|wide| wide.estimator.estimate(readings));
-        let mut found: Vec<ContactEstimate> = found.collect::<Result<_, _>>()?;
-        let costs: Vec<f64> = found.iter().map(|wide| wide.cost).collect();
-        let best = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b])).unwrap_or(0);
-        let radii_m: Vec<f64> = self.wide.iter().map(|wide| wide.radius_m).collect();
-        let (radius, least) = least_cost(&radii_m, &costs, best);
-        if least + MARGIN >= estimate.cost {
-            return Ok(());
-        }
-        let between = self.of_radius(radius.radius_m)?.estimate(readings)?;
-        let (mut better, radius) = if between.cost <= costs[best] {
-            (between, radius)
-        } else {
-            let radius_m = radii_m[best];
-            (found.swap_remove(best), ContactRadius { radius_m, ..radius })
+        let tried = self.wide.iter().map(|wide| {
+            let (radius_m, estimate) = (wide.radius_m, wide.estimator.estimate(readings)?);
+            Ok::<_, InverseError>(Tried { radius_m, estimate })
+        });
+        let tried: Vec<Tried> = tried.collect::<Result<_, _>>()?;
+        let better = match Bracket::around_best(&tried) {
+            Some(mut bracket) => {
+                bracket.narrow(|radius_m| self.of_radius(radius_m)?.estimate(readings))?;
+                Some(bracket.into_estimate(self.map().skin()))
+            }
+            None => at_an_end(tried),
         };
-        if better.cost + MARGIN < estimate.cost {
-            better.contacts.iter_mut().for_each(|contact| contact.radius = Some(radius));
+        if let Some(better) = better.filter(|better| better.cost + MARGIN < estimate.cost) {
             *estimate = better;
         }
         Ok(())
@@ -101,43 +97,11 @@ fn at_nodes(map: &ResponseMap) -> Vec<Vector3<f64>> {
     values
 }
 
-/// The radius where −2 ln evidence is least by the parabola through the best radius and those beside it, and what
-/// it is there.
-fn least_cost(radii_m: &[f64], costs: &[f64], best: usize) -> (ContactRadius, f64) {
-    let at_an_end = (ContactRadius { radius_m: radii_m[best], sd_m: None }, costs[best]);
-    if best == 0 || best + 1 == radii_m.len() {
-        return at_an_end;
-    }
-    let [before, after] = [best - 1, best + 1].map(|i| {
-        let step_m = radii_m[i] - radii_m[best];
-        (step_m, (costs[i] - costs[best]) / step_m)
-    });
-    // c(r) = c₀ + b (r − r₀) + a (r − r₀)² through three points, by divided differences
-    let a = (after.1 - before.1) / (after.0 - before.0);
-    let b = before.1 - a * before.0;
-    if a <= 0.0 {
-        return at_an_end;
-    }
-    let radius = ContactRadius {
-        radius_m: radii_m[best] - 0.5 * b / a,
-        // −2 ln of a normal density is (r − r̂)²/σ² and a constant
-        sd_m: Some(a.sqrt().recip()),
-    };
-    (radius, costs[best] - 0.25 * b * b / a)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::least_cost;
-
-    #[test]
-    fn the_radius_is_where_the_parabola_is_least() {
-        let radii_m = [5e-3, 8e-3, 12e-3, 16e-3];
-        let costs = radii_m.map(|r| 3.0 + ((r - 9.5e-3_f64) / 0.5e-3).powi(2));
-        let (radius, least) = least_cost(&radii_m, &costs, 1);
-        assert!((least - 3.0).abs() < 1e-9, "{least}");
-        assert!((radius.radius_m - 9.5e-3).abs() < 1e-9, "{radius:?}");
-        assert!((radius.sd_m.unwrap() - 0.5e-3).abs() < 1e-9, "{radius:?}");
-        assert_eq!(least_cost(&radii_m, &costs, 3).0.sd_m, None);
-    }
+/// The best of those that were tried, of which it is the narrowest or the widest.
+fn at_an_end(tried: Vec<Tried>) -> Option<ContactEstimate> {
+    let best = tried.into_iter().min_by(|a, b| a.estimate.cost.total_cmp(&b.estimate.cost));
+    let Tried { radius_m, mut estimate } = best?;
+    let radius = Some(ContactRadius { radius_m, sd_m: None });
+    estimate.contacts.iter_mut().for_each(|contact| contact.radius = radius);
+    Some(estimate)
 }
