@@ -15,7 +15,6 @@ use serde_json::{Value, json};
 
 use crate::recording_commands::made;
 use crate::shell_limb_common::tube;
-use crate::support::page::scene as coarse_scene;
 
 /// In a name or text: clears a terminal, begins a line, turns the writing.
 const HOSTILE: &str = "a\x1b[2J\nerror: all is lost \u{9b}31m\u{202e}";
@@ -23,6 +22,11 @@ const INJECTED: &str = "error: all is lost";
 
 fn shin(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin").join(file)
+}
+
+/// Results that the docs' commands solve and keep.
+fn kept() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/hapdef")
 }
 
 fn hapdef(words: &[impl AsRef<OsStr>], folder: &Path) -> Command {
@@ -203,8 +207,7 @@ fn commands(folder: &Path) -> Vec<Vec<String>> {
     let [skin, deck, scene] = ["shin_skin.glb", "shin.inp.gz", "placed.json"]
         .map(|f| shin(f).to_str().unwrap().to_owned());
     write_glb(&folder.join("tube.glb"), &tube(0.12), None).unwrap();
-    // what the docs' commands solve and keep
-    let out = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/hapdef");
+    let out = kept();
     let out = out.to_str().unwrap();
     let commands = [
         &["--help"][..],
@@ -275,7 +278,7 @@ fn a_broken_pipe_that_is_not_standard_output_is_an_error() {
     let folder = folder.path();
     made(folder, 5000);
     let scene = shin("placed.json");
-    let out = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/hapdef");
+    let out = kept();
     let [scene, out] = [&scene, &out].map(|path| path.to_str().unwrap());
     let pipe = folder.join("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
@@ -300,11 +303,12 @@ fn a_disk_that_is_full_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     made(folder, 100);
-    let (skin, scene) = (shin("shin_skin.glb"), coarse_scene(folder));
+    let [skin, scene, kept] = [shin("shin_skin.glb"), shin("placed.json"), kept()];
+    let [skin, scene, kept] = [&skin, &scene, &kept].map(|path| path.to_str().unwrap());
     for words in [
-        &["inspect", skin.to_str().unwrap()][..],
+        &["inspect", skin][..],
         &["export", "made.mcap", "--csv"],
-        &["live", scene.to_str().unwrap(), "--sim", "--seconds", "0.5"],
+        &["live", scene, "--sim", "--seconds", "0.5", "--results", kept],
         &["completions", "bash"],
     ] {
         let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
