@@ -14,10 +14,10 @@ use serde_json::Value;
 
 use crate::tool::{cargo, shown};
 
-/// Packages whose integration tests take longest, the longest first: begun last, one core would wait for them.
-/// hapdef-view's hardly compute, they wait for browsers.
+/// Packages whose integration tests take longest: begun last, one core would wait for them. hapdef-view's, with their
+/// browsers, come when nothing is built beside them any more.
 const LONGEST: [&str; 5] =
-    ["hapdef", "hapdef-view", "hapdef-cli", "hapdef-repro", "hapdef-inverse"];
+    ["hapdef", "hapdef-cli", "hapdef-view", "hapdef-repro", "hapdef-inverse"];
 
 /// A program of tests.
 pub(super) struct Program {
