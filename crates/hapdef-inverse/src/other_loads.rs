@@ -60,9 +60,13 @@ impl OtherLoads {
     }
 
     /// The same with an error of the responses, `relative` to what all loads together do to each gauge and apart for
-    /// each: a load more for every gauge. Responses computed of a drawn limb are off by as much as its map.
+    /// each: a load more for every gauge, none without an error. Responses computed of a drawn limb are off by as much
+    /// as its map.
     #[must_use]
     pub fn with_response_error(mut self, relative: f64, n_gauges: usize) -> Self {
+        if relative <= 0.0 {
+            return self;
+        }
         let mut variance = vec![0.0; n_gauges];
         for (row, sd) in self.rows(n_gauges).zip(&self.sd) {
             variance.iter_mut().zip(row).for_each(|(sum, unit)| *sum += (sd * unit).powi(2));

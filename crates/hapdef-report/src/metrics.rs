@@ -77,13 +77,20 @@ pub struct MetricRecord {
 pub struct MetricLog<W> {
     out: W,
     context: MetricContext,
+    suffix: String,
     records: Vec<MetricRecord>,
 }
 
 impl<W: Write> MetricLog<W> {
     /// A log that prints to `out`.
     pub fn new(out: W, context: MetricContext) -> Self {
-        Self { out, context, records: Vec::new() }
+        Self { out, context, suffix: String::new(), records: Vec::new() }
+    }
+
+    /// The same with `suffix` at the end of every name: figures of the same kind of something else.
+    #[must_use]
+    pub fn with_suffix(self, suffix: &str) -> Self {
+        Self { suffix: suffix.to_owned(), ..self }
     }
 
     /// Prints and keeps a number; the unit is "1" for a bare number.
@@ -153,15 +160,14 @@ impl<W: Write> MetricLog<W> {
     }
 
     fn push(&mut self, name: &str, outcome: MetricOutcome) -> Result<(), ReportError> {
+        let name = format!("{name}{}", self.suffix);
         let plain = |c: char| c.is_ascii_alphanumeric() || "_.".contains(c);
-        if name.is_empty() || !name.chars().all(plain) {
+        if name == self.suffix || !name.chars().all(plain) {
             let expected = "a metric's name is letters, digits, _ and ., and not empty";
-            return Err(
-                ArgumentError::Name { what: "metric", name: name.to_owned(), expected }.into()
-            );
+            return Err(ArgumentError::Name { what: "metric", name, expected }.into());
         }
         let context = self.context.clone();
-        let record = MetricRecord { name: name.to_owned(), outcome, context };
+        let record = MetricRecord { name, outcome, context };
         writeln!(self.out, "{}", record.line())
             .map_err(ReportError::io("printing metrics to", Path::new("standard output")))?;
         self.records.push(record);
@@ -268,6 +274,18 @@ mod tests {
         let all: Vec<MetricRecord> =
             serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
         assert_eq!(all.len(), 100);
+    }
+
+    #[test]
+    fn a_suffix_is_at_the_end_of_every_name() {
+        let mut lines = Vec::new();
+        let mut log = MetricLog::new(&mut lines, context()).with_suffix("_paper");
+        log.value("demo.wall_s", 1.0, "s").unwrap();
+        log.skipped("demo.size_mm", "no limb").unwrap();
+        let names = log.records().iter().map(|record| record.name.as_str());
+        assert_eq!(names.collect::<Vec<_>>(), ["demo.wall_s_paper", "demo.size_mm_paper"]);
+        let lines = String::from_utf8(lines).unwrap();
+        assert!(lines.starts_with("METRIC:demo.wall_s_paper:1:s\n"), "{lines}");
     }
 
     #[test]

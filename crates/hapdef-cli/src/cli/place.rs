@@ -37,6 +37,7 @@ const LEFT_OUT: [(&str, &str); 1] =
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
     hapdef place fixtures/shin/scene.json --gauges 10 --keep-out 0,0.06,0,0.02\n\n\
+    Where the scene has loads that are no contacts, gauges are put so that contacts are found beside them. \
     The layout is written as gauges.sites, ready for the scene file; placement.html has it on the \
     limb and the bounds by number of gauges as a plot.")]
 pub(crate) struct PlaceArgs {
@@ -164,11 +165,20 @@ fn page(run: &Run, limb: &Limb, params: &LayoutParams, study: &LayoutStudy) -> R
             pages::fact("noise", format!("{} µε", params.noise_ue)),
             pages::fact("contacts", format!("{} N", params.force_n)),
             pages::fact("candidates", format!("{n_candidates}, {} don't fit", study.n_refused)),
+            pages::fact("beside", loads_text(study)),
             pages::fact("solved in", format!("{:.2} s", study.solve_s)),
             pages::fact("seed", params.seed.to_string()),
         ],
         blocks,
     })
+}
+
+/// The loads beside which contacts are to be found.
+fn loads_text(study: &LayoutStudy) -> String {
+    match study.n_loads {
+        0 => "no loads but contacts (the scene has no loads)".to_owned(),
+        n => format!("{n} unknown loads that are no contacts, as the scene's loads say"),
+    }
 }
 
 fn layouts_table(study: &LayoutStudy) -> TextTable {
@@ -229,9 +239,13 @@ fn distances(limb: &Limb, layout: &ScoredLayout) -> LimbMap {
 
 fn print(study: &LayoutStudy, params: &LayoutParams) {
     println!(
-        "{} candidates on the inner wall ({} don't fit), solved in {:.2} s\n\n\
+        "{} candidates on the inner wall ({} don't fit), solved in {:.2} s; beside {}\n\n\
          bounds of {} gauges, mm      one: mean   95 %   two: median   95 %   chosen in s",
-        study.n_candidates, study.n_refused, study.solve_s, params.n_gauges
+        study.n_candidates,
+        study.n_refused,
+        study.solve_s,
+        loads_text(study),
+        params.n_gauges
     );
     for layout in &study.layouts {
         println!("{:27} {}   {:11.2}", layout.name, figures(&layout.score), layout.elapsed_s);
@@ -265,6 +279,10 @@ fn write_scene(path: &Path, run: &Run, layout: &ScoredLayout, args: &PlaceArgs) 
     let mut scene = run.scene.clone();
     scene.name.push_str("-placed");
     scene.gauges.sites = gauge_entries(&layout.gauges);
+    if let Some(loads) = &mut scene.loads {
+        // learned by the gauges that there were
+        loads.learned = None;
+    }
     scene.estimator = EstimatorSpec::Superposition(SuperpositionSpec {
         noise_ue: args.noise_ue,
         ..SuperpositionSpec::default()
@@ -288,6 +306,7 @@ fn as_json(study: &LayoutStudy) -> Value {
     json!({
         "n_candidates": study.n_candidates,
         "n_refused": study.n_refused,
+        "n_loads": study.n_loads,
         "solve_s": study.solve_s,
         "layouts": layouts.collect::<Vec<_>>(),
         "by_count": by_count.collect::<Vec<_>>(),

@@ -1,7 +1,7 @@
 //! One pass of exchanges on the tail of two contacts.
 
 use crate::error::InverseError;
-use crate::placement::greedy::{UNIT, gain, take};
+use crate::placement::information::Information;
 use crate::placement::score::{bounds, draw_pairs, quantile};
 use crate::placement::{Candidates, PlacementParams};
 
@@ -62,13 +62,10 @@ impl<'a> Tail<'a> {
 
 /// The candidates beside `others` that add most to the mean log-det, best first.
 fn promising(candidates: &Candidates, others: &[usize], params: &PlacementParams) -> Vec<usize> {
-    let mut inverses = vec![UNIT; candidates.n_sites()];
-    for &c in others {
-        take(candidates, params, c, &mut inverses);
-    }
+    let information = Information::of(candidates, params, others);
     let mut ranked: Vec<(usize, f64)> = (0..candidates.n())
         .filter(|&c| candidates.fits(c, others, params))
-        .map(|c| (c, gain(candidates, params, c, &inverses)))
+        .map(|c| (c, information.gain(c)))
         .collect();
     ranked.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     ranked.truncate(params.n_tried);

@@ -4,6 +4,7 @@
 mod cover;
 mod exchange;
 mod greedy;
+mod information;
 mod neighbours;
 mod pca_qr;
 mod process;
@@ -35,6 +36,10 @@ pub struct Candidates {
     /// `[n_candidates, n_sites]`: reading per newton against the normal, and its slopes along two
     /// tangents of the skin at right angles, per metre.
     pub responses: Vec<[f64; 3]>,
+    /// `[n_candidates, n_loads]`: reading for one standard deviation of each load on the whole limb that is no contact,
+    /// unknown when contacts are looked for ([`crate::OtherLoads`]); empty where there are none. Greedy log-det, the exchange
+    /// pass and scores count with them, the other methods don't.
+    pub loads: Vec<f64>,
     /// Whether a gauge may sit there `[n_candidates]`: `false` in keep-out zones.
     pub allowed: Vec<bool>,
 }
@@ -93,8 +98,32 @@ impl Candidates {
         self.sites_m.len()
     }
 
+    /// How many loads there are beside contacts.
+    #[must_use]
+    pub fn n_loads(&self) -> usize {
+        self.loads.len() / self.n().max(1)
+    }
+
+    /// What candidate `c` reads over its noise for one unit of each unknown, in units of the prior, into `row`
+    /// `[3 n_contacts + n_loads]`: contacts at `sites`, then the loads.
+    pub(crate) fn unknowns(
+        &self,
+        c: usize,
+        sites: &[usize],
+        params: &PlacementParams,
+        row: &mut [f64],
+    ) {
+        let (of_contacts, of_loads) = row.split_at_mut(3 * sites.len());
+        for (three, &site) in of_contacts.chunks_exact_mut(3).zip(sites) {
+            three.copy_from_slice(&self.row(c, site, params));
+        }
+        let n_loads = self.n_loads();
+        let loads = &self.loads[c * n_loads..(c + 1) * n_loads];
+        of_loads.iter_mut().zip(loads).for_each(|(own, load)| *own = load / params.noise_sd);
+    }
+
     /// Whitened (A ∂₁g, A ∂₂g, g) of candidate `c` at `site`, in units of the prior.
-    pub(crate) fn row(&self, c: usize, site: usize, params: &PlacementParams) -> [f64; 3] {
+    fn row(&self, c: usize, site: usize, params: &PlacementParams) -> [f64; 3] {
         let [g, d1, d2] = self.responses[c * self.n_sites() + site];
         let (place, force) = params.prior_sd;
         let slope = params.force_n * place / params.noise_sd;
@@ -114,6 +143,8 @@ impl Candidates {
         check_length("responses", n * self.n_sites(), self.responses.len())?;
         check_length("allowed", n, self.allowed.len())?;
         check_finite("responses", self.responses.as_flattened())?;
+        check_length("loads", n * self.n_loads(), self.loads.len())?;
+        check_finite("loads", &self.loads)?;
         check_positive("the number of sites", self.n_sites() as f64)?;
         check_positive("noise_sd", params.noise_sd)?;
         check_positive("force_n", params.force_n)?;

@@ -2,6 +2,7 @@
 
 use crate::dense::{cholesky, inverse};
 use crate::error::InverseError;
+use crate::placement::information::unit;
 use crate::placement::random::Draws;
 use crate::placement::{Candidates, PlacementParams};
 
@@ -63,34 +64,29 @@ pub(crate) fn draw_pairs(candidates: &Candidates, params: &PlacementParams) -> V
     (0..params.n_pairs).map(|_| pair()).collect()
 }
 
-/// Position bounds of `K` contacts at `sites`, m.
+/// Position bounds of `K` contacts at `sites`, m, whatever the loads are that are no contacts.
 pub(crate) fn bounds<const K: usize>(
     candidates: &Candidates,
     chosen: &[usize],
     params: &PlacementParams,
     sites: [usize; K],
 ) -> [f64; K] {
-    let n = 3 * K;
-    let mut a = [0.0; 36];
-    for i in 0..n {
-        a[i * n + i] = 1.0;
-    }
+    let n = 3 * K + candidates.n_loads();
+    let mut a = unit(n);
+    let mut j = vec![0.0; n];
     for &c in chosen {
-        let mut j = [0.0; 6];
-        for (k, &site) in sites.iter().enumerate() {
-            j[3 * k..3 * k + 3].copy_from_slice(&candidates.row(c, site, params));
-        }
+        candidates.unknowns(c, &sites, params, &mut j);
         for p in 0..n {
             for q in 0..=p {
                 a[p * n + q] += j[p] * j[q];
             }
         }
     }
-    let mut covariance = [0.0; 36];
-    if !cholesky(&mut a[..n * n], n, 0.0) {
+    if !cholesky(&mut a, n, 0.0) {
         return [params.prior_sd.0; K];
     }
-    inverse(&a[..n * n], n, &mut covariance[..n * n]);
+    let mut covariance = vec![0.0; n * n];
+    inverse(&a, n, &mut covariance);
     let variance = |q: usize| covariance[q * n + q];
     std::array::from_fn(|k| params.prior_sd.0 * (variance(3 * k) + variance(3 * k + 1)).sqrt())
 }

@@ -8,7 +8,7 @@ use hapdef_inverse::{
     place_nearest_neighbours, place_pca_qr, place_random, placement_score, single_bounds,
     smallest_seen_n,
 };
-use nalgebra::Point3;
+use nalgebra::{DMatrix, DVector, Point3};
 use world::World;
 
 /// Candidates are the gauges of a world with many.
@@ -27,6 +27,7 @@ fn candidates() -> Candidates {
         positions_m: world.gauges.iter().map(place).collect(),
         sites_m: world.sites.positions().to_vec(),
         responses,
+        loads: Vec::new(),
         allowed: (0..120).map(|c| c % 7 != 0).collect(),
     }
 }
@@ -73,6 +74,88 @@ fn constraints_hold_and_greedy_beats_chance() {
     for other in others {
         assert!(found.single_mean_m < score(&other).single_mean_m);
     }
+}
+
+/// The same with loads that move every gauge by tens of its noise: bending about two axes and a temperature.
+fn loaded() -> Candidates {
+    let mut candidates = candidates();
+    let of = |x: &Point3<f64>| {
+        let lever = (0.2 - x.y) / 0.1;
+        [60.0 * lever * x.x / world::RADIUS_M, 60.0 * lever * x.z / world::RADIUS_M, 40.0]
+    };
+    candidates.loads = candidates.positions_m.iter().flat_map(of).collect();
+    candidates
+}
+
+/// Position bound of one contact at `site`, the loads' readings as noise: prior⁻¹ + Jᵀ (σ² + B Bᵀ)⁻¹ J.
+fn dense_bound(candidates: &Candidates, layout: &[usize], site: usize) -> f64 {
+    let params = PlacementParams::new(layout.len(), 5.0);
+    let (m, n_loads, n_sites) = (layout.len(), candidates.n_loads(), candidates.sites_m.len());
+    let b = DMatrix::from_fn(m, n_loads, |g, k| candidates.loads[layout[g] * n_loads + k]);
+    let noise = DMatrix::identity(m, m) * params.noise_sd.powi(2) + &b * b.transpose();
+    let j = DMatrix::from_fn(m, 3, |g, q| {
+        let [force, along, across] = candidates.responses[layout[g] * n_sites + site];
+        [along * params.force_n, across * params.force_n, force][q]
+    });
+    let (place, force) = params.prior_sd;
+    let known = DVector::from_column_slice(&[place, place, force].map(|sd: f64| sd.powi(-2)));
+    let measured = j.transpose() * noise.try_inverse().unwrap() * &j;
+    let covariance = (DMatrix::from_diagonal(&known) + measured).try_inverse().unwrap();
+    (covariance[(0, 0)] + covariance[(1, 1)]).sqrt()
+}
+
+/// Loads that are unknown cost what they do as noise of the readings, and are found apart from contacts the better for
+/// being counted with.
+#[test]
+fn a_layout_that_knows_of_loads_is_better_beside_them() {
+    let (unloaded, loaded) = (candidates(), loaded());
+    let params = PlacementParams::new(8, 5.0);
+    let layout = |candidates: &Candidates| {
+        let greedy = place_greedy(candidates, &params).unwrap();
+        (exchange(candidates, &greedy, &params).unwrap(), greedy)
+    };
+    let ((blind, blind_greedy), (better, greedy)) = (layout(&unloaded), layout(&loaded));
+    let score = |layout: &[usize]| placement_score(&loaded, layout, &params).unwrap();
+
+    let n_sites = loaded.sites_m.len();
+    let dense = (0..n_sites).map(|site| dense_bound(&loaded, &blind, site)).sum::<f64>();
+    let mean = dense / n_sites as f64;
+    assert!((score(&blind).single_mean_m / mean - 1.0).abs() < 1e-9, "{mean}");
+
+    let without = placement_score(&unloaded, &blind, &params).unwrap();
+    assert!(score(&blind).single_mean_m > without.single_mean_m);
+    assert!(score(&greedy).single_mean_m < score(&blind_greedy).single_mean_m);
+    assert!(score(&better).pair_p95_m < score(&blind).pair_p95_m);
+}
+
+/// A load that moves no gauge changes nothing; one of any size takes away one reading, not all.
+#[test]
+fn loads_change_a_layout_as_far_as_they_move_gauges() {
+    let unloaded = candidates();
+    let params = PlacementParams::new(8, 5.0);
+    let with = |sd: f64| {
+        let loads = loaded().loads.iter().map(|load| sd * load).collect();
+        Candidates { loads, ..unloaded.clone() }
+    };
+    let greedy = place_greedy(&unloaded, &params).unwrap();
+    assert_eq!(place_greedy(&with(0.0), &params).unwrap(), greedy);
+    let bound = |sd: f64| placement_score(&with(sd), &greedy, &params).unwrap().single_mean_m;
+    let rising = [0.0, 0.01, 0.1, 1.0, 1e3].map(bound);
+    assert!(rising.is_sorted(), "{rising:?}");
+    assert!(rising[4] < 1.05 * rising[3], "{rising:?}");
+    assert!(
+        (bound(0.0) / placement_score(&unloaded, &greedy, &params).unwrap().single_mean_m - 1.0)
+            .abs()
+            < 1e-12
+    );
+}
+
+#[test]
+fn loads_of_another_number_are_refused() {
+    let mut candidates = loaded();
+    candidates.loads.pop();
+    let error = place_greedy(&candidates, &PlacementParams::new(3, 5.0)).unwrap_err();
+    assert!(matches!(error, InverseError::Length { what: "loads", .. }), "{error}");
 }
 
 #[test]

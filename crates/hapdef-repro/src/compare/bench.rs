@@ -53,7 +53,7 @@ pub(crate) fn run(args: &BenchInverseArgs) -> Result<()> {
     ensure!(noise_ue > 0.0, "rig.electronics.noise_ue: expected above 0");
     let estimator = estimator(&map, noise_ue, estimator_params(&run.scene))?;
     let presses = Presses { map: &map, noise_ue };
-    let mut log = facts::log(args.test_seed);
+    let mut log = facts::log_of(&run, args.test_seed);
     let mut draw = Draw::new(map.skin(), args.test_seed);
     let mut frames = Vec::new();
     for _ in 0..args.scripts {

@@ -148,7 +148,7 @@ pub(super) fn diagnose(bench: &mut Bench<'_>) -> Result<()> {
         ],
         ..facts::study(bench.run, "why frames are not clean", bench.args.test_seed)?
     };
-    let log = &mut facts::log(bench.args.test_seed);
+    let log = &mut facts::log_of(bench.run, bench.args.test_seed);
     STUDY.publish(&rows, report, log, &bench.args.scene.results)?;
     Ok(())
 }

@@ -127,7 +127,12 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
         )?],
         ..facts::study(&run, "search effort against error", args.test_seed)?
     };
-    STUDY.publish(&points, report, &mut facts::log(args.test_seed), &args.scene.results)?;
+    STUDY.publish(
+        &points,
+        report,
+        &mut facts::log_of(&run, args.test_seed),
+        &args.scene.results,
+    )?;
     Ok(())
 }
 

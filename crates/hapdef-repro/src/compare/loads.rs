@@ -204,7 +204,7 @@ pub(super) fn loads(bench: &mut Bench<'_>) -> Result<()> {
     STUDY.publish(
         &rows,
         report,
-        &mut facts::log(bench.args.test_seed),
+        &mut facts::log_of(bench.run, bench.args.test_seed),
         &bench.args.scene.results,
     )?;
     Ok(())

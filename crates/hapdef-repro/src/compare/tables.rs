@@ -49,7 +49,12 @@ pub(super) fn publish(bench: &Bench<'_>, measured: &Measured) -> Result<()> {
         skipped: skipped(bench),
         ..study
     };
-    STUDY.publish(measured, report, &mut facts::log(seed), &bench.args.scene.results)?;
+    STUDY.publish(
+        measured,
+        report,
+        &mut facts::log_of(bench.run, seed),
+        &bench.args.scene.results,
+    )?;
     Ok(())
 }
 

@@ -9,6 +9,9 @@ use hapdef_report::{MetricContext, MetricLog, NamedText, Report, SkippedStage, S
 
 use super::made::Made;
 
+/// How names of scenes of the paper's limb begin.
+const PAPERS_LIMB: &str = "paper-shin";
+
 /// The lines at the head of the report.
 pub(crate) fn facts(made: &Made<'_>) -> Vec<NamedText> {
     let (run, svr) = (made.run, &made.svr);
@@ -172,6 +175,13 @@ pub(crate) fn input_hashes(run: &Run) -> Result<Vec<NamedText>, HapdefError> {
 /// A log of metrics on standard output, of a run with this seed.
 pub(crate) fn log(seed: u64) -> MetricLog<Stdout> {
     MetricLog::new(std::io::stdout(), MetricContext::here(seed))
+}
+
+/// The same for a study of the scene's limb: metrics of the paper's limb end in `_paper`, so that those of the bundled
+/// limb stay beside them.
+pub(crate) fn log_of(run: &Run, seed: u64) -> MetricLog<Stdout> {
+    let is_papers = run.scene.name.starts_with(PAPERS_LIMB);
+    log(seed).with_suffix(if is_papers { "_paper" } else { "" })
 }
 
 /// A fact of a page.

@@ -121,6 +121,8 @@ pub struct LayoutStudy {
     /// Places with an axis that a gauge doesn't fit on, or that are passed over by
     /// [`LayoutParams::max_change`].
     pub n_refused: usize,
+    /// Loads of the scene that are no contacts, beside which contacts are to be found.
+    pub n_loads: usize,
     /// Time of the candidates' adjoint solves with the factor, s.
     pub solve_s: f64,
     /// The layouts, the recommended one last.
@@ -243,6 +245,7 @@ impl Places {
             positions_m: self.placed.iter().map(|p| p.position_m).collect(),
             sites_m: sites.positions().to_vec(),
             responses,
+            loads: Vec::new(),
             allowed: self.placed.iter().enumerate().map(is_free).collect(),
         })
     }

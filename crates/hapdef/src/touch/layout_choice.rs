@@ -4,15 +4,16 @@ use std::time::Instant;
 
 use hapdef_bench::stats;
 use hapdef_inverse::{
-    Candidates, CoverParams, InverseError, PlacementParams, PlacementScore, cover, exchange,
-    place_entropy, place_greedy, place_mutual_information, place_nearest_neighbours, place_pca_qr,
-    place_random, placement_score, smallest_seen_n,
+    Candidates, CoverParams, InverseError, OtherLoads, PlacementParams, PlacementScore, cover,
+    exchange, place_entropy, place_greedy, place_mutual_information, place_nearest_neighbours,
+    place_pca_qr, place_random, placement_score, smallest_seen_n,
 };
 use nalgebra::Point3;
 
 use super::layout::{CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, Places, ScoredLayout};
 use super::model::LimbModel;
-use super::response::gauge_map;
+use super::other_loads::of_response;
+use super::response::TouchedSkin;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
@@ -40,18 +41,25 @@ pub struct LayoutCandidates {
 }
 
 impl LayoutCandidates {
-    /// Looks at places on the inner wall and solves for the gauges that fit there.
+    /// Looks at places on the inner wall and solves for the gauges that fit there, and for what they read of the
+    /// scene's loads that are no contacts.
     ///
     /// # Errors
-    /// [`HapdefError::TooFewGaugeSites`] when the wall has too few places; [`HapdefError::Sim`].
+    /// [`HapdefError::TooFewGaugeSites`] when the wall has too few places; [`HapdefError::Sim`];
+    /// [`HapdefError::ShellTemperature`].
     pub fn solve(run: &Run, limb: &Limb, params: &LayoutParams) -> Result<Self, HapdefError> {
         let start = Instant::now();
         let model = LimbModel::build(limb, run.threads)?;
         let places = Places::find(run, &model, params)?;
         run.say(&format!("solving {} candidate gauges", places.gauges.len()));
-        let tip_radius_m = run.scene.contact.tip_radius_m;
-        let map = gauge_map(&model, &places.gauges, tip_radius_m)?;
-        let candidates = places.candidates(&map, params)?;
+        let (response, _) = model.response(&places.gauges)?;
+        let fields = model.fields_of(&places.gauges, &response);
+        let skin = TouchedSkin::new(limb, run.scene.contact.tip_radius_m)?;
+        let mut candidates = places.candidates(&skin.map(places.gauges.len(), &fields)?, params)?;
+        if let Some(spec) = &run.scene.loads {
+            let loads = of_response(&model, &places.gauges, &response, spec, 0.0)?;
+            candidates.loads = by_candidate(&loads, places.gauges.len());
+        }
         let solve_s = start.elapsed().as_secs_f64();
         Ok(Self { places, candidates, params: params.clone(), solve_s })
     }
@@ -96,6 +104,12 @@ impl LayoutCandidates {
     }
 }
 
+/// What each candidate reads for one standard deviation of each load `[n_candidates, n_loads]`.
+fn by_candidate(loads: &OtherLoads, n_candidates: usize) -> Vec<f64> {
+    let of = |c: usize| (0..loads.len()).map(move |k| (k, k * n_candidates + c));
+    (0..n_candidates).flat_map(of).map(|(k, i)| loads.sd[k] * loads.response[i]).collect()
+}
+
 /// A layout and the smallest force that is seen wherever it presses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeeingLayout {
@@ -124,6 +138,7 @@ pub fn study_layouts(
     let mut study = LayoutStudy {
         n_candidates: places.gauges.len() - places.n_own,
         n_refused: places.n_refused,
+        n_loads: candidates.n_loads(),
         solve_s,
         layouts: Vec::new(),
         by_count: Vec::new(),

@@ -6,7 +6,7 @@ use hapdef_sim::GaugeResponse;
 use nalgebra::Vector3;
 
 use super::learned_loads::scene_loads;
-use super::model::{LimbModel, ModelGauge};
+use super::model::LimbModel;
 use super::other_loads;
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -25,7 +25,9 @@ pub fn response_map(
     threads: usize,
 ) -> Result<ResponseMap, HapdefError> {
     let model = LimbModel::build(limb, threads)?;
-    gauge_map(&model, &model.gauges(&limb.sites, &limb.gauges)?, tip_radius_m)
+    let gauges = model.gauges(&limb.sites, &limb.gauges)?;
+    let (adjoint, _) = model.fields(&gauges)?;
+    TouchedSkin::new(limb, tip_radius_m)?.map(gauges.len(), &adjoint)
 }
 
 /// The same for a scene, with its loads that are no contacts: those it learned, else by the same solves.
@@ -44,19 +46,6 @@ pub fn response_with_loads(
     })?;
     let skin = TouchedSkin::new(limb, run.scene.contact.tip_radius_m)?;
     Ok((skin.map(gauges.len(), &model.fields_of(&gauges, &response))?, loads))
-}
-
-/// The same for any `gauges` on the limb's model.
-///
-/// # Errors
-/// As [`response_map`].
-pub(super) fn gauge_map(
-    model: &LimbModel<'_>,
-    gauges: &[ModelGauge],
-    tip_radius_m: f64,
-) -> Result<ResponseMap, HapdefError> {
-    let (adjoint, _) = model.fields(gauges)?;
-    TouchedSkin::new(model.limb, tip_radius_m)?.map(gauges.len(), &adjoint)
 }
 
 /// Adjoint fields at `nodes` `[n_nodes, n_gauges]`, µε/N.

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use hapdef::scene::SuperpositionSpec;
+use hapdef::scene::{SuperpositionSpec, read_scene};
 use hapdef::touch::{
-    Calibration, LayoutParams, LimitsRequest, PressQuality, Touch, TouchEstimator, UncertainParams,
-    UncertainResponse, limits, response_map, study_layouts, superposition, touch_estimator,
+    Calibration, LayoutParams, LayoutStudy, LimitsRequest, PressQuality, Touch, TouchEstimator,
+    UncertainParams, UncertainResponse, limits, response_map, study_layouts, superposition,
+    touch_estimator,
 };
 use hapdef::{Limb, Profile, Progress, Run};
 use hapdef_inverse::{LimitParams, OtherLoads, Press, SkinPoint};
@@ -232,4 +233,37 @@ fn recommended_gauges_fit_when_glued_off_their_place() {
             assert!(moved.normal().dot(&normal) > 0.5, "{placed:?}: {side:?}");
         }
     }
+}
+
+/// On a scene with loads `hapdef place` puts gauges where contacts are found beside them: by the bounds, better than
+/// gauges that were put without.
+#[test]
+fn recommended_gauges_tell_contacts_from_the_scenes_loads() {
+    let out = tempfile::tempdir().unwrap();
+    let plain = run_in(out.path());
+    let moving = read_scene(&placed().with_file_name("moving.json")).unwrap();
+    let mut moved = run_in(out.path());
+    moved.scene.loads = moving.loads;
+    let params = LayoutParams {
+        n_positions: 60,
+        n_axes: 2,
+        n_sites: 100,
+        n_random: 1,
+        compares: false,
+        other_counts: Vec::new(),
+        ..LayoutParams::default()
+    };
+    let [plain, moved] = [plain, moved].map(|run| {
+        let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
+        study_layouts(&run, &limb, &params).unwrap()
+    });
+    assert_eq!((plain.n_loads, moved.n_loads), (0, 9));
+    let score = |study: &LayoutStudy, name: &str| {
+        study.layouts.iter().find(|layout| layout.name == name).unwrap().score
+    };
+    let own = "the scene's own";
+    assert!(score(&moved, own).single_mean_m > score(&plain, own).single_mean_m);
+    let best = moved.layouts.last().unwrap();
+    assert!(best.score.single_mean_m < score(&moved, own).single_mean_m);
+    assert_ne!(best.gauges, plain.layouts.last().unwrap().gauges);
 }
