@@ -37,7 +37,6 @@ const LEFT_OUT: [(&str, &str); 1] =
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
     hapdef place fixtures/shin/scene.json --gauges 10 --keep-out 0,0.06,0,0.02\n\n\
-    Where the scene has loads that are no contacts, gauges are put so that contacts are found beside them. \
     The layout is written as gauges.sites, ready for the scene file; placement.html has it on the \
     limb and the bounds by number of gauges as a plot.")]
 pub(crate) struct PlaceArgs {
@@ -67,6 +66,9 @@ pub(crate) struct PlaceArgs {
     /// Force of the contacts, N.
     #[arg(long, default_value_t = 10.0)]
     force_n: f64,
+    /// Count the scene's loads that are no contacts as unknown, too: gauges tell contacts from them.
+    #[arg(long)]
+    beside_loads: bool,
     /// A ball that no gauge's centre may lie in: x,y,z,radius in m; may be given again.
     #[arg(long, value_parser = ball, allow_hyphen_values = true)]
     keep_out: Vec<(Point3<f64>, f64)>,
@@ -88,6 +90,11 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
         args.mounted,
         args.gauges.min(n_own)
     );
+    ensure!(
+        !args.beside_loads || run.scene.loads.is_some(),
+        "--beside-loads: expected loads in {}, which has none",
+        shown(&args.scene.scene)
+    );
     let params = LayoutParams {
         n_gauges: args.gauges,
         n_mounted: args.mounted,
@@ -98,6 +105,7 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
         margin_m: args.margin_mm * 1e-3,
         noise_ue: args.noise_ue,
         force_n: args.force_n,
+        beside_loads: args.beside_loads,
         seed: run.scene.seed,
         ..LayoutParams::default()
     };
@@ -176,7 +184,7 @@ fn page(run: &Run, limb: &Limb, params: &LayoutParams, study: &LayoutStudy) -> R
 /// The loads beside which contacts are to be found.
 fn loads_text(study: &LayoutStudy) -> String {
     match study.n_loads {
-        0 => "no loads but contacts (the scene has no loads)".to_owned(),
+        0 => "no loads but contacts".to_owned(),
         n => format!("{n} unknown loads that are no contacts, as the scene's loads say"),
     }
 }

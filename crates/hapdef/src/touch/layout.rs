@@ -48,6 +48,8 @@ pub struct LayoutParams {
     pub noise_ue: f64,
     /// Force of the contacts, N.
     pub force_n: f64,
+    /// Whether the scene's loads that are no contacts count as unknown, too.
+    pub beside_loads: bool,
     /// Random layouts that the others are compared with.
     pub n_random: usize,
     /// Whether other methods are scored, too.
@@ -72,6 +74,7 @@ impl Default for LayoutParams {
             max_change: f64::INFINITY,
             noise_ue: 5.0,
             force_n: 10.0,
+            beside_loads: false,
             n_random: 20,
             compares: true,
             other_counts: vec![4, 6, 8, 12, 16],
@@ -121,7 +124,8 @@ pub struct LayoutStudy {
     /// Places with an axis that a gauge doesn't fit on, or that are passed over by
     /// [`LayoutParams::max_change`].
     pub n_refused: usize,
-    /// Loads of the scene that are no contacts, beside which contacts are to be found.
+    /// Loads of the scene that are no contacts, beside which contacts are to be found; 0 unless
+    /// [`LayoutParams::beside_loads`].
     pub n_loads: usize,
     /// Time of the candidates' adjoint solves with the factor, s.
     pub solve_s: f64,

@@ -42,7 +42,7 @@ pub struct LayoutCandidates {
 
 impl LayoutCandidates {
     /// Looks at places on the inner wall and solves for the gauges that fit there, and for what they read of the
-    /// scene's loads that are no contacts.
+    /// scene's loads that are no contacts where these count.
     ///
     /// # Errors
     /// [`HapdefError::TooFewGaugeSites`] when the wall has too few places; [`HapdefError::Sim`];
@@ -56,7 +56,7 @@ impl LayoutCandidates {
         let fields = model.fields_of(&places.gauges, &response);
         let skin = TouchedSkin::new(limb, run.scene.contact.tip_radius_m)?;
         let mut candidates = places.candidates(&skin.map(places.gauges.len(), &fields)?, params)?;
-        if let Some(spec) = &run.scene.loads {
+        if let Some(spec) = run.scene.loads.as_ref().filter(|_| params.beside_loads) {
             let loads = of_response(&model, &places.gauges, &response, spec, 0.0)?;
             candidates.loads = by_candidate(&loads, places.gauges.len());
         }

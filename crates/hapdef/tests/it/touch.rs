@@ -235,7 +235,7 @@ fn recommended_gauges_fit_when_glued_off_their_place() {
     }
 }
 
-/// On a scene with loads `hapdef place` puts gauges where contacts are found beside them, not where they would be without:
+/// With `beside_loads` `hapdef place` puts gauges where contacts are found beside them, not where they would be without:
 /// by the bounds beside them, better than by chance.
 #[test]
 fn recommended_gauges_tell_contacts_from_the_scenes_loads() {
@@ -248,6 +248,7 @@ fn recommended_gauges_tell_contacts_from_the_scenes_loads() {
         n_positions: 60,
         n_axes: 2,
         n_sites: 100,
+        beside_loads: true,
         n_random: 5,
         compares: false,
         other_counts: Vec::new(),
