@@ -127,7 +127,7 @@ mod tests {
     use super::{Command, program, run};
 
     #[test]
-    fn programs_of_tests_are_told_from_other_artifacts() {
+    fn of_all_artifacts_only_programs_of_tests_are_taken() {
         let artifact = |kind: &str, is_test: bool, executable: Option<&str>| {
             json!({
                 "reason": "compiler-artifact",
